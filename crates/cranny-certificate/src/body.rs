@@ -60,8 +60,6 @@ pub struct Body {
     component: Vec<u32>,
     /// Whether every edge of the component of a face is run as often forth as back.
     closed: Vec<bool>,
-    /// The volume of a body that is closed is below 0: its faces look inward.
-    inside_out: bool,
 }
 
 impl Body {
@@ -82,22 +80,14 @@ impl Body {
             groups: Groups::of(filed),
             component: Vec::new(),
             closed: Vec::new(),
-            inside_out: false,
         };
         body.connect();
-        body.inside_out = body.is_closed() && sign(&body.volume()).is_lt();
         body
     }
 
     /// Corners of a face.
     pub(crate) fn triangle(&self, face: u32) -> [Vector; 3] {
         self.faces[face as usize].map(|v| self.vertices[v as usize].clone())
-    }
-
-    /// Along the outward normal of a face; zero for a face without area.
-    pub(crate) fn outward(&self, face: u32) -> Vector {
-        let n = normal(&self.triangle(face));
-        if self.inside_out { n.map(|x| -x) } else { n }
     }
 
     /// Whether a face belongs to a component that bounds a region of space.
@@ -152,15 +142,6 @@ impl Body {
             open[self.component[face as usize] as usize] = true;
         }
         self.closed = self.component.iter().map(|&root| !open[root as usize]).collect();
-    }
-
-    /// Six times the volume.
-    fn volume(&self) -> dashu_int::IBig {
-        let of = |face: u32| {
-            let [a, b, c] = self.triangle(face);
-            dot(&a, &cross(&b, &c))
-        };
-        (0..self.faces.len() as u32).map(of).sum()
     }
 }
 

@@ -1,21 +1,21 @@
 //! Whether the insides of two bodies meet whose surfaces do not cross, and which lies in which.
 //!
 //! Each face is cut along what it shares with the other body. Within a cell all points, but for
-//! isolated ones, are alike: inside the other body, outside, or on a face of it that looks the same
-//! or the opposite way. The insides meet if and only if some cell lies inside the other body, or on
-//! it and looks the same way. A lies in B if and only if no cell of A lies outside B or on it and
-//! looks the opposite way, and no cell of B lies inside A. Faces that share nothing with the other
+//! isolated ones, are alike: inside the other body, outside, or on a face of it, with the inside of
+//! the two on the same side or not. Where an inside is, the winding beside the face says, whichever
+//! way faces look. The insides meet if and only if some cell lies inside the other body, or on it
+//! with the same inside. A lies in B if and only if no cell of A lies outside B or on it with
+//! another inside, and no cell of B lies inside A. Faces that share nothing with the other
 //! body and hang together over edges are alike: a corner decides.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use crate::body::Body;
 use crate::cells::{Site, cells, has_area, mean, shared};
 use crate::certificate::Contained;
-use crate::exact::{Point, cross, dot, is_zero, sign};
+use crate::exact::{Point, normal};
 use crate::posed::PosedPair;
-use crate::winding::{Location, holds};
+use crate::winding::Location;
 
 /// Two bodies as solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +103,7 @@ impl Sides {
         let cuts: Vec<Vec<Site>> =
             with_area.iter().map(|&g| shared(&own, &other.triangle(g))).collect();
         for cell in cells(&own, &cuts) {
-            self.judge_cell(body, other, face, &with_area, &cell)?;
+            self.judge_cell(body, other, face, &cell)?;
         }
         Ok(())
     }
@@ -113,7 +113,6 @@ impl Sides {
         body: &Body,
         other: &Body,
         face: u32,
-        partners: &[u32],
         cell: &[Site],
     ) -> Result<(), String> {
         for stride in 0..MOST_SAMPLES {
@@ -121,12 +120,12 @@ impl Sides {
             match other.locate(&sample) {
                 Location::Inside => self.inside = true,
                 Location::Outside => self.outside = true,
-                Location::On => match flush_partner(body, other, face, partners, &sample)? {
+                // A face that bounds nothing has no inside behind it.
+                Location::On if !body.bounds_space(face) => {}
+                Location::On => match flush(body, other, face, &sample)? {
                     None => continue,
-                    // A face that bounds nothing has no inside behind it.
-                    Some(_) if !body.bounds_space(face) => {}
-                    Some(Ordering::Greater) => self.same = true,
-                    Some(_) => self.opposite = true,
+                    Some(true) => self.same = true,
+                    Some(false) => self.opposite = true,
                 },
             }
             return Ok(());
@@ -135,31 +134,22 @@ impl Sides {
     }
 }
 
-/// Whether the faces of the other body that lie in the plane of a face and hold a point of it look
-/// the same way; `None` where there are none.
+/// Whether, at a point that is on faces of both bodies, the other body has its inside on that side
+/// of a face on which the body has its own. `None` where a face passes through the point askew,
+/// which one beside it need not.
 ///
 /// # Errors
 ///
-/// Some look one way and some the other: what lies behind them does not follow from their normals.
-fn flush_partner(
-    body: &Body,
-    other: &Body,
-    face: u32,
-    partners: &[u32],
-    sample: &Point,
-) -> Result<Option<Ordering>, String> {
-    let own = body.outward(face);
-    let is_flush = |&&g: &&u32| {
-        other.bounds_space(g)
-            && is_zero(&cross(&own, &other.outward(g)))
-            && holds(&other.triangle(g), sample)
-    };
-    let mut looks = partners.iter().filter(is_flush).map(|&g| sign(&dot(&own, &other.outward(g))));
-    let first = looks.next();
-    match looks.all(|next| Some(next) == first) {
-        true => Ok(first),
-        false => Err(format!(
-            "face {face} cannot be judged: faces that lie flush with it contradict each other"
-        )),
+/// The body has its inside on both sides of its face, or on none.
+fn flush(body: &Body, other: &Body, face: u32, sample: &Point) -> Result<Option<bool>, String> {
+    let front = normal(&body.triangle(face));
+    if [body, other].iter().any(|body| body.passes_through(sample, &front)) {
+        return Ok(None);
+    }
+    let back = front.each_ref().map(|x| -x);
+    match [&front, &back].map(|side| body.winds_beside(sample, side)) {
+        [true, false] => Ok(Some(other.winds_beside(sample, &front))),
+        [false, true] => Ok(Some(other.winds_beside(sample, &back))),
+        _ => Err(format!("face {face} cannot be judged: it does not bound its own body there")),
     }
 }

@@ -6,8 +6,6 @@
 
 use std::cmp::Ordering;
 
-use dashu_int::IBig;
-
 use crate::body::Body;
 use crate::exact::{Point, Vector, cross, dot, is_zero, minus, normal, sign};
 
@@ -25,36 +23,57 @@ impl Body {
     /// Locates a point.
     pub(crate) fn locate(&self, p: &Point) -> Location {
         let mut winding = 0i64;
-        for face in (0..self.faces.len() as u32).filter(|&face| self.bounds_space(face)) {
+        for triangle in self.before(p) {
+            if holds(&triangle, p) {
+                return Location::On;
+            }
+            winding += passage(&triangle, p, None);
+        }
+        if winding == 0 { Location::Outside } else { Location::Inside }
+    }
+
+    /// Whether the components wind around a point beside `p` by as little as one likes, along a
+    /// direction that leads off each face that holds `p`.
+    pub(crate) fn winds_beside(&self, p: &Point, along: &Vector) -> bool {
+        let passages = self.before(p).map(|triangle| passage(&triangle, p, Some(along)));
+        passages.sum::<i64>() != 0
+    }
+
+    /// Whether a face that bounds space holds a point and does not lie at right angles to a
+    /// direction.
+    pub(crate) fn passes_through(&self, p: &Point, normal: &Vector) -> bool {
+        let askew = |triangle: &[Vector; 3]| !is_zero(&cross(normal, &self::normal(triangle)));
+        self.before(p).any(|triangle| holds(&triangle, p) && askew(&triangle))
+    }
+
+    /// The faces that bound space, but for those that a ray from a point along +x misses because
+    /// they lie before the point, above, below or aside.
+    fn before(&self, p: &Point) -> impl Iterator<Item = [Vector; 3]> {
+        let faces = (0..self.faces.len() as u32).filter(|&face| self.bounds_space(face));
+        faces.filter_map(move |face| {
             let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
-            // A face before the point, above it, below it or aside is not met.
             let misses = |axis: usize, order: Ordering| {
                 corners.iter().all(|c| p.compare(axis, &c[axis]) == order)
             };
             let aside = |axis| misses(axis, Ordering::Less) || misses(axis, Ordering::Greater);
-            if misses(0, Ordering::Greater) || aside(1) || aside(2) {
-                continue;
-            }
-            let triangle = corners.map(Clone::clone);
-            if holds(&triangle, p) {
-                return Location::On;
-            }
-            winding += passage(&triangle, p);
-        }
-        if winding == 0 { Location::Outside } else { Location::Inside }
+            let missed = misses(0, Ordering::Greater) || aside(1) || aside(2);
+            (!missed).then(|| corners.map(Clone::clone))
+        })
     }
 }
 
-/// +1 where the ray leaves through the face, -1 where it enters, 0 where it misses it.
-fn passage(triangle: &[Vector; 3], p: &Point) -> i64 {
+/// +1 where the ray leaves through the face, -1 where it enters, 0 where it misses it. The ray
+/// starts beside the point along `shift` first, where there is one, and then by `(0, e, e^2)`.
+fn passage(triangle: &[Vector; 3], p: &Point, shift: Option<&Vector>) -> i64 {
     let n = normal(triangle);
     let facing = sign(&n[0]);
     let [a, b, c] = triangle;
-    let passes =
-        facing.is_ne() && [[a, b], [b, c], [c, a]].iter().all(|side| beside(side, p) == facing);
+    let passes = facing.is_ne()
+        && [[a, b], [b, c], [c, a]].iter().all(|side| beside(side, p, shift) == facing);
     // The ray goes towards +x: the point is behind the face where it is below and the face looks
     // along +x, or the other way round.
-    let height = sign(&dot(&n, &p.from(a)));
+    let off = || shift.map_or(Ordering::Equal, |shift| sign(&dot(&n, shift)));
+    let height = sign(&dot(&n, &p.from(a))).then_with(off);
     match (passes && height == facing.reverse(), facing) {
         (false, _) | (_, Ordering::Equal) => 0,
         (true, Ordering::Greater) => 1,
@@ -63,11 +82,13 @@ fn passage(triangle: &[Vector; 3], p: &Point) -> i64 {
 }
 
 /// On which side of a face's side the ray passes, seen along x: greater is left.
-fn beside([from, to]: &[&Vector; 2], p: &Point) -> Ordering {
+fn beside([from, to]: &[&Vector; 2], p: &Point, shift: Option<&Vector>) -> Ordering {
     let along = minus(to, from);
-    let way = p.from(from);
-    let turn: IBig = &along[1] * &way[2] - &along[2] * &way[1];
-    sign(&turn).then_with(|| sign(&along[2]).reverse()).then_with(|| sign(&along[1]))
+    let turn = |way: &Vector| -> Ordering { sign(&(&along[1] * &way[2] - &along[2] * &way[1])) };
+    turn(&p.from(from))
+        .then_with(|| shift.map_or(Ordering::Equal, turn))
+        .then_with(|| sign(&along[2]).reverse())
+        .then_with(|| sign(&along[1]))
 }
 
 /// Whether a closed triangle, with area or without, holds a point.
@@ -94,6 +115,8 @@ fn on_segment([from, to]: &[&Vector; 2], p: &Point) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use dashu_int::IBig;
+
     use super::*;
     use crate::body::Triangles;
     use crate::exact::Grid;

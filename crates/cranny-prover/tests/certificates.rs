@@ -226,3 +226,40 @@ fn evidence_of_another_pose_proves_nothing_wrong() {
     }
     assert!(held > 0 && refused > 0, "{held} {refused}");
 }
+
+/// Components that look inward count by what winds around a place, in whatever order they are
+/// filed; what cannot be judged so proves nothing.
+#[test]
+fn inward_components_make_no_wrong_claim_hold() {
+    let [unit, on_top] = [cuboid([0.0; 3], [1.0; 3]), cuboid([0.0, 0.0, 1.0], [1.0, 1.0, 2.0])];
+    let (large, far) = (cuboid([-1.0; 3], [2.0; 3]), cuboid([10.0; 3], [14.0; 3]));
+    let turned = |&[a, b, c]: &[u32; 3]| [a, c, b];
+    let faces = unit.faces().iter().map(turned).collect();
+    let inward = Mesh::new(unit.vertices().to_vec(), faces).unwrap();
+    let twice = unit.clone().joined(&inward).joined(&large);
+    let twice_turned = inward.clone().joined(&unit).joined(&large);
+    let beside = far.joined(&inward);
+    let touch = |solid, contained| Claim { surface: SurfaceVerdict::Touch, solid, contained };
+    let within = touch(true, Some(Contained::AInB));
+    let cases = [
+        (&unit, &twice, within, false),
+        (&unit, &twice_turned, within, false),
+        (&on_top, &beside, touch(false, None), true),
+        (&unit, &beside, within, true),
+    ];
+    for (k, (a, b, right, is_judged)) in cases.into_iter().enumerate() {
+        let bodies = [a, b].map(|mesh| Body::new(mesh.clone()));
+        let flipped = match right.contained {
+            Some(Contained::AInB) => Claim { contained: Some(Contained::BInA), ..right },
+            _ => right,
+        };
+        let ways = [([&bodies[0], &bodies[1]], right), ([&bodies[1], &bodies[0]], flipped)];
+        for (bodies, right) in ways {
+            let case = Case { bodies, poses: [Pose::IDENTITY; 2] };
+            let certificate = case.prove(&right).unwrap();
+            let held: Vec<Claim> =
+                claims().filter(|claim| case.verify(claim, &certificate).is_ok()).collect();
+            assert_eq!(held, if is_judged { vec![right] } else { vec![] }, "{k}");
+        }
+    }
+}
