@@ -387,10 +387,8 @@ fn add_recording(
 /// Effects that a scene asks for, anywhere, each once.
 #[cfg(feature = "record")]
 fn effect_names(scene: &SceneDescription) -> String {
-    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
-    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
-    let all = scene.effects.iter().chain(of_bodies).chain(of_pairs);
-    let kinds: std::collections::BTreeSet<_> = all.filter_map(EffectKind::of).collect();
+    let kinds: std::collections::BTreeSet<_> =
+        scene.all_effects().filter_map(EffectKind::of).collect();
     kinds.into_iter().map(EffectKind::name).collect::<Vec<_>>().join(", ")
 }
 

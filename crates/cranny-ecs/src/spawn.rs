@@ -217,12 +217,8 @@ fn check(scene: &SceneDescription) -> Result<(), SceneAppError> {
             return Err(SceneAppError::UnknownBody { name: name.clone() });
         }
     }
-    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
-    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
-    for effect in scene.effects.iter().chain(of_bodies).chain(of_pairs) {
-        if EffectKind::of(effect).is_none() {
-            return Err(SceneAppError::UnsupportedEffect { effect: effect.name() });
-        }
+    if let Some(effect) = scene.all_effects().find(|effect| EffectKind::of(effect).is_none()) {
+        return Err(SceneAppError::UnsupportedEffect { effect: effect.name() });
     }
     let led = |body: &&BodyDescription| body.path.is_some() && body.kind != BodyKind::Kinematic;
     if let Some(body) = scene.bodies.iter().find(led) {

@@ -51,11 +51,25 @@ pub enum RecoverError {
     Read(#[from] ReadError),
     /// No frame of it is whole.
     #[error(
-        "'{}' holds no whole frame: the run ended before one was written out, or what it wrote is damaged. There is nothing to recover", path.display()
+        "'{}' holds no whole frame ({damaged} chunks are damaged): there is nothing to recover",
+        path.display()
     )]
     NoFrame {
         /// The file.
         path: PathBuf,
+        /// Chunks that do not match their sums; 0: the run ended before a frame was written out.
+        damaged: u64,
+    },
+    /// The bodies are lost.
+    #[error(
+        "'{}' holds {frames} whole frames, but the bodies are lost: the chunk that held them is damaged, and without them nothing replays",
+        path.display()
+    )]
+    NoBodies {
+        /// The file.
+        path: PathBuf,
+        /// Whole frames.
+        frames: u64,
     },
     /// The whole recording cannot be written.
     #[error(transparent)]
@@ -70,15 +84,23 @@ pub enum RecoverError {
 /// [`RecoverError`].
 pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
     let path = partial.to_owned();
-    let bytes = fs::read(partial).map_err(|source| ReadError::Open { path, source })?;
-    let found = Survey::of(&bytes, partial)?;
+    let bytes =
+        fs::read(partial).map_err(|source| ReadError::Open { path: path.clone(), source })?;
+    if !bytes.starts_with(MAGIC) {
+        return Err(ReadError::NotMcap { path, source: McapError::BadMagic }.into());
+    }
+    let channels = Channels::of(&bytes);
+    let found = Survey::of(&bytes, &channels);
     let (Some(first), Some(last)) = (found.first, found.last) else {
-        return Err(RecoverError::NoFrame { path: partial.to_owned() });
+        return Err(RecoverError::NoFrame { path, damaged: found.damaged });
     };
+    if !found.has_bodies {
+        return Err(RecoverError::NoBodies { path, frames: found.frames });
+    }
     let mut copy = Copy {
         output: Output::create(out, RECOVERING)?,
         until: last.1,
-        channels: Channels::default(),
+        channels: &channels,
         end: None,
         left_out: 0,
     };
@@ -91,8 +113,9 @@ pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
     written?;
     let left_out = copy.left_out;
     // What the file says of its end is true if nothing of it is lost.
+    let has_all = |end: &BTreeMap<_, _>| end.get("frames") == Some(&found.frames.to_string());
     let end = match copy.end.take() {
-        Some(end) if found.damaged == 0 && left_out == 0 => end,
+        Some(end) if found.damaged == 0 && left_out == 0 && has_all(&end) => end,
         _ => end_of(found.frames, last.0, found.damaged),
     };
     copy.output.metadata(topic::METADATA_END, end)?;
@@ -112,7 +135,8 @@ pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
 
 fn end_of(frames: u64, last_step: u64, damaged: u64) -> BTreeMap<String, String> {
     let why = match damaged {
-        0 => "recovered: the run was killed, or could not write on".to_owned(),
+        0 => "recovered: the run was killed, could not write on, or parts of the file are lost"
+            .to_owned(),
         1 => "recovered: 1 damaged chunk is left out".to_owned(),
         n => format!("recovered: {n} damaged chunks are left out"),
     };
@@ -132,32 +156,33 @@ struct Survey {
     /// Step and log time of the first and of the last whole frame: the statistics end a frame.
     first: Option<(u64, u64)>,
     last: Option<(u64, u64)>,
+    /// Whether what moves in them is there.
+    has_bodies: bool,
     damaged: u64,
     lost: u64,
     complete: bool,
 }
 
 impl Survey {
-    fn of(bytes: &[u8], path: &Path) -> Result<Self, ReadError> {
-        if !bytes.starts_with(MAGIC) {
-            return Err(ReadError::NotMcap { path: path.to_owned(), source: McapError::BadMagic });
-        }
-        let (mut found, mut channels) = (Self::default(), Channels::default());
+    fn of(bytes: &[u8], channels: &Channels) -> Self {
+        let mut found = Self::default();
         let Extent { damaged, lost } = for_each_record(bytes, &mut |record| match record {
             Record::Footer(_) => found.complete = true,
-            Record::Message { header, data } => {
-                if channels.topic(header.channel_id) == Some(topic::STATS)
-                    && let Ok(stats) = serde_json::from_slice::<StatsMessage>(&data)
-                {
-                    found.frames += 1;
-                    found.first = found.first.or(Some((stats.step, header.log_time)));
-                    found.last = Some((stats.step, header.log_time));
+            Record::Message { header, data } => match channels.topic(header.channel_id) {
+                Some(topic::BODIES) => found.has_bodies = true,
+                Some(topic::STATS) => {
+                    if let Ok(stats) = serde_json::from_slice::<StatsMessage>(&data) {
+                        found.frames += 1;
+                        found.first = found.first.or(Some((stats.step, header.log_time)));
+                        found.last = Some((stats.step, header.log_time));
+                    }
                 }
-            }
-            other => channels.note(&other),
+                _ => {}
+            },
+            _ => {}
         });
         (found.damaged, found.lost) = (damaged, lost);
-        Ok(found)
+        found
     }
 }
 
@@ -169,6 +194,14 @@ struct Channels {
 }
 
 impl Channels {
+    /// All channels of a file: one that was finished names them again at its end, so that none is
+    /// lost with a damaged chunk.
+    fn of(bytes: &[u8]) -> Self {
+        let mut channels = Self::default();
+        for_each_record(bytes, &mut |record| channels.note(&record));
+        channels
+    }
+
     fn note(&mut self, record: &Record<'_>) {
         match record {
             Record::Schema { header, data } => {
@@ -194,17 +227,17 @@ impl Channels {
 }
 
 /// The recording that is being written.
-struct Copy {
+struct Copy<'a> {
     output: Output,
     /// Log time of the last whole frame.
     until: u64,
-    channels: Channels,
+    channels: &'a Channels,
     /// What the file says of its end.
     end: Option<BTreeMap<String, String>>,
     left_out: u64,
 }
 
-impl Copy {
+impl Copy<'_> {
     fn take(&mut self, record: Record<'_>) -> Result<(), RecordError> {
         match record {
             Record::Message { header, data } => self.message(&header, &data),
@@ -216,10 +249,7 @@ impl Copy {
             Record::Attachment { header, data, .. } => {
                 self.output.attach(&header.name, &header.media_type, &data)
             }
-            other => {
-                self.channels.note(&other);
-                Ok(())
-            }
+            _ => Ok(()),
         }
     }
 

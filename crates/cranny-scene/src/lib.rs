@@ -34,7 +34,8 @@ mod xml;
 
 pub use byte_order_mark::without_mark;
 pub use mesh_file::{
-    DecodeError, MeshFile, MeshFileError, MeshFormat, decode_mesh, encode_obj, read_mesh,
+    DecodeError, MODEL_EXTENSION, MeshFile, MeshFileError, MeshFormat, decode_mesh, encode_obj,
+    is_saved_model, read_mesh,
 };
 pub use robot::{Robot, RobotError, read_robot};
 pub use scene_file::{

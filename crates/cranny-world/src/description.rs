@@ -42,6 +42,15 @@ pub struct SceneDescription {
     pub record: RecordDescription,
 }
 
+impl SceneDescription {
+    /// Effects that are named anywhere: for all bodies, for single ones, for pairs; in that order.
+    pub fn all_effects(&self) -> impl Iterator<Item = &Effect> {
+        let of_bodies = self.bodies.iter().flat_map(|body| &body.effects);
+        let of_pairs = self.pairs.iter().flat_map(|pair| &pair.effects);
+        self.effects.iter().chain(of_bodies).chain(of_pairs)
+    }
+}
+
 /// How a body moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyKind {

@@ -9,10 +9,11 @@ use std::path::Path;
 use cranny_ecs::check_outputs;
 use cranny_exact::Tolerance;
 use cranny_geometry::{BuildOptions, Flatness};
+use cranny_scene::MODEL_EXTENSION;
 
 use crate::args::{Format, InspectArgs, Up};
 use crate::failure::Failure;
-use crate::model_file::{EXTENSION, load_with_report, save};
+use crate::model_file::{load_with_report, save};
 use crate::output::Output;
 use crate::paths::check_output;
 use picture::View;
@@ -33,7 +34,7 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
         check_output("--render", path, &["png"])?;
     }
     if let Some(path) = &args.save {
-        check_output("--save", path, &[EXTENSION])?;
+        check_output("--save", path, &[MODEL_EXTENSION])?;
     }
     let options = BuildOptions {
         repair: args.repair.into(),

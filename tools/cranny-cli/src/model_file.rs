@@ -11,12 +11,12 @@ use cranny_concavity::Stage as ConcavityStage;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildError, BuildOptions, Flatness, Mesh, Model, Report, Stage};
 use cranny_prover::filed;
-use cranny_scene::{MeshFile, MeshFileError, read_mesh};
+use cranny_scene::{MeshFile, MeshFileError, is_saved_model, read_mesh};
 
 use crate::failure::Failure;
 use crate::paths::check_input;
 use crate::progress;
-pub(crate) use saved::{EXTENSION, is_model, save};
+pub(crate) use saved::save;
 
 /// A model, where it came from and what was found on the way.
 pub(crate) struct LoadedModel {
@@ -60,7 +60,7 @@ pub(crate) struct Times {
 /// As [`prepare`]; a broken model file, or a scale for one.
 pub(crate) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
     check_input("mesh file", path)?;
-    match is_model(path) {
+    match is_saved_model(path) {
         true => saved::load(path, scale, options),
         false => prepare(path, scale, options).map(|loaded| loaded.model),
     }
@@ -74,7 +74,7 @@ pub(crate) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
 /// As [`load`].
 pub(crate) fn triangles(path: &Path, scale: f64) -> Result<Triangles, Failure> {
     check_input("mesh file", path)?;
-    Ok(filed(&match is_model(path) {
+    Ok(filed(&match is_saved_model(path) {
         true => saved::load(path, scale, &BuildOptions::default())?.mesh().clone(),
         false => scaled(path, read_mesh(path).map_err(unreadable)?.mesh, scale)?,
     }))
@@ -90,7 +90,7 @@ pub(crate) fn load_with_report(
     options: &BuildOptions,
 ) -> Result<LoadedModel, Failure> {
     check_input("mesh file", path)?;
-    match is_model(path) {
+    match is_saved_model(path) {
         true => saved::load_with_report(path, options),
         false => prepare(path, 1.0, options),
     }

@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::args::{Format, ReportArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::{check_input, check_output, write_whole};
+use crate::paths::{check_input, check_output, write};
 use crate::progress;
 use facts::Facts;
 use page::RunPage;
@@ -40,7 +40,7 @@ pub(crate) fn report(args: &ReportArgs, format: Option<Format>) -> Result<(), Fa
     let recording = args.recording.display().to_string();
     let page = RunPage { facts: &facts, recording, ending: ending(&replay), strip, close_ups };
     let html = page.html();
-    write_whole(&args.out, &html)?;
+    write(&args.out, &html)?;
     waiting.finish_and_clear();
     conclude(&facts, &args.out, html.len(), format)
 }

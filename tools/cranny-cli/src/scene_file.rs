@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use cranny_scene::{LoadOptions, LoadedScene, MeshFormat, SceneError, load_scene_with};
+use cranny_scene::{
+    LoadOptions, LoadedScene, MeshFormat, SceneError, is_saved_model, load_scene_with,
+};
 
 use crate::failure::Failure;
-use crate::model_file::is_model;
 use crate::paths::check_input;
 use crate::progress;
 
@@ -16,7 +17,7 @@ use crate::progress;
 /// A scene that cannot be read or is wrong.
 pub(crate) fn load(path: &Path, seed: Option<u64>) -> Result<LoadedScene, Failure> {
     check_input("scene file", path)?;
-    if MeshFormat::of_path(path).is_some() || is_model(path) {
+    if MeshFormat::of_path(path).is_some() || is_saved_model(path) {
         return Err(Failure::input(format!(
             "scene file {}: by its name it is a mesh or a model, no scene. Name a scene (.ron); `cranny inspect` takes meshes and models.",
             path.display()

@@ -53,6 +53,15 @@ pub enum MeshFormat {
     Collada,
 }
 
+/// How the names of saved models ([`Model::encode`](cranny_geometry::Model::encode)) end.
+pub const MODEL_EXTENSION: &str = "cranny";
+
+/// Whether a file is a saved model, by its name.
+#[must_use]
+pub fn is_saved_model(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(MODEL_EXTENSION))
+}
+
 impl MeshFormat {
     /// Every accepted extension with its format.
     pub const EXTENSIONS: [(&'static str, Self); 7] = [

@@ -2,6 +2,7 @@
 //! only shows when the whole is known.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -123,7 +124,8 @@ impl Assembly<'_> {
         let kind = BodyKind::from(body.kind);
         let velocity = [body.velocity.linear.0, body.velocity.angular.0];
         if kind == BodyKind::Fixed && velocity != [DVec3::ZERO; 2] {
-            let what = "is Fixed but has a velocity. Make it Kinematic, or leave the velocity out";
+            let what =
+                "it is Fixed but has a velocity. Make it Kinematic, or leave the velocity out";
             return Err(self.contradicted(&body.name, what));
         }
         let geometry = self.geometry(&body.name, &body.shape)?;
@@ -154,9 +156,9 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// A body says two things that do not go together.
-    fn contradicted(&self, body: &str, what: &str) -> SceneError {
-        let problem = SceneProblem::Contradiction(format!("body {body:?} {what}"));
+    /// Something is wrong with a body as a whole.
+    pub(super) fn contradicted(&self, body: &str, what: impl Display) -> SceneError {
+        let problem = SceneProblem::Contradiction(format!("body {body:?}: {what}"));
         self.source.error(self.source.find("name", body), problem)
     }
 
@@ -176,7 +178,7 @@ impl Assembly<'_> {
         };
         if let Some(wrong) = wrong {
             let and = if kind == BodyKind::Kinematic { "and " } else { "but " };
-            return Err(self.contradicted(&body.name, &format!("has a path {and}{wrong}")));
+            return Err(self.contradicted(&body.name, format!("it has a path {and}{wrong}")));
         }
         let whose = format!("body {:?}", body.name);
         let keyframes = path.keyframes.iter().map(|keyframe| {
@@ -185,7 +187,7 @@ impl Assembly<'_> {
         });
         let keyframes = keyframes.collect();
         let path = KeyframedPath::new(keyframes, path.interpolation.into(), path.end.into());
-        let path = path.map_err(|why| self.contradicted(&body.name, &format!("has a path: {why}")));
+        let path = path.map_err(|why| self.contradicted(&body.name, format!("its path: {why}")));
         path.map(Some)
     }
 
@@ -247,17 +249,16 @@ impl Assembly<'_> {
         said: Option<MassFile>,
         material: Material,
     ) -> Result<Option<StatedMass>, SceneError> {
-        let refuse = |error: &str| {
-            let place = self.source.find("name", body);
-            self.source.error(place, SceneProblem::Contradiction(format!("body {body:?}: {error}")))
-        };
         if kind != BodyKind::Dynamic {
             return match said {
                 None => Ok(None),
-                Some(_) => Err(refuse("only a Dynamic body has a mass. Leave `mass` out")),
+                Some(_) => {
+                    Err(self.contradicted(body, "only a Dynamic body has a mass. Leave `mass` out"))
+                }
             };
         }
-        let found = mass::of(geometry, said, material.density).map_err(|error| refuse(&error))?;
+        let found = mass::of(geometry, said, material.density)
+            .map_err(|error| self.contradicted(body, error))?;
         let (mass, why) = found.unzip();
         self.warnings.extend(why.flatten().map(|why| format!("body {body:?}: {why}")));
         Ok(mass)

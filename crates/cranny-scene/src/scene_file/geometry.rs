@@ -10,10 +10,7 @@ use cranny_geometry::{BuildOptions, FindingKind, Mesh, Model, Repair, Report};
 use super::assemble::Assembly;
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{RepairFile, ShapeFile};
-use crate::mesh_file::read_mesh;
-
-/// How the names of saved models end.
-const MODEL_EXTENSION: &str = "cranny";
+use crate::mesh_file::{is_saved_model, read_mesh};
 
 /// What collides of a body.
 #[derive(Clone, Debug)]
@@ -48,14 +45,16 @@ impl Assembly<'_> {
                 })?;
                 CollisionGeometry { mesh: Arc::new(mesh), model: None }
             }
-            ShapeFile::Mesh { path, scale, recenter, repair } if is_model(path) => {
+            ShapeFile::Mesh { path, scale, recenter, repair }
+                if is_saved_model(Path::new(path)) =>
+            {
                 let is_as_saved =
                     scale.0 == DVec3::ONE && !recenter && *repair == RepairFile::default();
                 if !is_as_saved {
-                    return Err(self.contradiction(
+                    return Err(self.contradicted(
                         body,
                         format!(
-                            "body {body:?}: {path} is a saved model, which is as it was prepared. Leave out `scale`, `recenter` and `repair`, or name the mesh"
+                            "{path} is a saved model, which is as it was prepared. Leave out `scale`, `recenter` and `repair`, or name the mesh"
                         ),
                     ));
                 }
@@ -75,7 +74,7 @@ impl Assembly<'_> {
         let ShapeFile::Mesh { path, scale, recenter, .. } = shape else {
             return Ok(self.geometry(body, shape)?.mesh);
         };
-        if is_model(path) {
+        if is_saved_model(Path::new(path)) {
             return Ok(self.geometry(body, shape)?.mesh);
         }
         if let Some((_, known)) = self.drawn.iter().find(|(known, _)| known == shape) {
@@ -84,10 +83,6 @@ impl Assembly<'_> {
         let mesh = Arc::new(self.mesh_file(body, path, scale.0, *recenter)?);
         self.drawn.push((shape.clone(), Arc::clone(&mesh)));
         Ok(mesh)
-    }
-
-    fn contradiction(&self, body: &str, what: String) -> SceneError {
-        self.source.error(self.source.find("name", body), SceneProblem::Contradiction(what))
     }
 
     fn saved_model(&mut self, body: &str, name: &str) -> Result<CollisionGeometry, SceneError> {
@@ -119,23 +114,19 @@ impl Assembly<'_> {
             self.source.error(place, SceneProblem::Mesh { body: body.to_owned(), source })
         })?;
         if scale.x * scale.y * scale.z == 0.0 {
-            let what = format!(
-                "body {body:?}: the scale {scale} flattens its mesh. Use factors other than 0"
-            );
-            return Err(self.contradiction(body, what));
+            let what = format!("the scale {scale} flattens its mesh. Use factors other than 0");
+            return Err(self.contradicted(body, what));
         }
         let mut mesh = read.mesh;
         if scale != DVec3::ONE {
             let scaled = mesh.scaled(scale);
-            mesh = scaled
-                .map_err(|error| self.contradiction(body, format!("body {body:?}: {error}")))?;
+            mesh = scaled.map_err(|error| self.contradicted(body, error))?;
         }
         if recenter {
             let center = mesh.bounds().center();
             let vertices = mesh.vertices().iter().map(|&vertex| vertex - center).collect();
-            mesh = Mesh::new(vertices, mesh.faces().to_vec()).map_err(|error| {
-                self.contradiction(body, format!("body {body:?}, recentred: {error}"))
-            })?;
+            mesh = Mesh::new(vertices, mesh.faces().to_vec())
+                .map_err(|error| self.contradicted(body, format!("recentred: {error}")))?;
         }
         self.notes.extend(read.notes.into_iter().map(|note| format!("{}: {note}", path.display())));
         self.add_file(path);
@@ -156,7 +147,7 @@ impl Assembly<'_> {
                 Repair::None => "",
                 _ => ". `repair: None` takes the mesh as it is filed",
             };
-            self.contradiction(body, format!("body {body:?}: {name}: {error}{advice}"))
+            self.contradicted(body, format!("{name}: {error}{advice}"))
         })?;
         let mended = report.repairs().iter().map(|repair| format!("{name}: mended: {repair}"));
         self.notes.extend(mended);
@@ -177,10 +168,4 @@ fn limits(report: &Report) -> impl Iterator<Item = String> {
         let count: usize = of_kind.map(|finding| finding.count).sum();
         format!("{count} x {}: {}", kind.name().replace('_', " "), kind.limits().join("; "))
     })
-}
-
-/// Whether a file is a saved model, by its name.
-pub(super) fn is_model(path: &str) -> bool {
-    let extension = Path::new(path).extension();
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(MODEL_EXTENSION))
 }

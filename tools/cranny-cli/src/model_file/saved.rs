@@ -1,22 +1,14 @@
 //! Saved models: written whole or not at all, and loaded in place of meshes.
 
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use cranny_geometry::{BuildOptions, Flatness, Model, Repair};
 
 use super::{LoadedModel, Times};
 use crate::failure::Failure;
-
-/// How the names of saved models end.
-pub(crate) const EXTENSION: &str = "cranny";
-
-/// Whether a file is a saved model, by its name.
-pub(crate) fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
-}
+use crate::paths::write_whole;
 
 /// Loads a saved model.
 ///
@@ -88,15 +80,7 @@ pub(super) fn load_with_report(
 /// Where it cannot be written; no partial file stays.
 pub(crate) fn save(model: &Model, path: &Path) -> Result<usize, Failure> {
     let bytes = model.encode();
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
-    let written = fs::File::create(&partial)
-        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| {
-        // The first failure is the one to tell.
-        let _ = fs::remove_file(&partial);
+    write_whole(path, &bytes).map_err(|error| {
         Failure::run(format!(
             "model file {}: it cannot be written ({error}). Check the folder, its rights and its space.",
             path.display()

@@ -77,11 +77,30 @@ fn whole(folder: &Folder) -> (String, Vec<u8>) {
     (path, bytes)
 }
 
+/// Bytes in front of a chunk's records.
+const CHUNK_HEAD: usize = 60;
+
+/// Where each chunk of a file begins: its operation code.
+fn chunks(bytes: &[u8]) -> Vec<usize> {
+    let (mut at, mut starts) = (8, Vec::new());
+    while let Some(length) = bytes.get(at + 1..at + 9) {
+        let length = u64::from_le_bytes(length.try_into().unwrap()) as usize;
+        if bytes[at] == 0x06 {
+            starts.push(at);
+        }
+        at += 9 + length;
+    }
+    assert!(starts.len() > 3);
+    starts
+}
+
 #[test]
 fn files_cut_or_damaged_anywhere_give_what_is_whole_or_a_clear_refusal() {
     let folder = Folder::new();
-    let (_, bytes) = whole(&folder);
+    let (path, bytes) = whole(&folder);
     let out = argument(&folder.path("out.mcap"));
+    let frames = run(&["replay", &path, "--format", "json"]).json_lines().remove(0);
+    let frames = frames["held_frames"].clone();
     let (mut recovered, mut refused, mut skipped) = (0, 0, 0);
     let mut check = |name: &str, damaged: &[u8]| {
         let file = folder.write(name, damaged);
@@ -93,10 +112,23 @@ fn files_cut_or_damaged_anywhere_give_what_is_whole_or_a_clear_refusal() {
         }
         let found = outcome.json_lines().remove(0);
         skipped += u64::from(found["damaged_chunks"] != 0);
-        let replayed = run(&["replay", &out]);
+        let replayed = run(&["replay", &out, "--format", "json"]);
         assert_eq!(replayed.code, Some(0), "{replayed:?}");
+        let replayed = replayed.json_lines().remove(0);
+        assert_eq!(replayed["held_frames"], found["frames"], "{replayed}");
+        // Nothing that lacks a part of the run looks as if it were whole.
+        let is_whole = found["damaged_chunks"] == 0 && found["frames"] == frames;
+        assert!(is_whole || replayed["interrupted"] == true, "{found} {replayed}");
         recovered += 1;
     };
+    // Every chunk once, the one of the bodies and the one that first names the channels included.
+    for at in chunks(&bytes) {
+        for (at, bit) in [(at + CHUNK_HEAD, 0x10), (at, 0x80)] {
+            let mut flipped = bytes.clone();
+            flipped[at] ^= bit;
+            check("chunk.mcap", &flipped);
+        }
+    }
     for k in 1..20 {
         check("cut.mcap", &bytes[..bytes.len() * k / 20]);
         let mut flipped = bytes.clone();
