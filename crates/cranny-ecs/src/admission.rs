@@ -27,6 +27,7 @@ use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
 use crate::collider::{Collider, VisualMesh};
 use crate::effects::{BodyEffects, EffectTable, effects_of};
 use crate::error::{Failure, SceneAppError};
+use crate::motion::MotionLog;
 use crate::pair::{BodyPair, relate_pairs};
 use crate::parts::{
     ColliderOf, MergedModels, has_parts, merge, note_moved_parts, note_orphan, note_parent,
@@ -34,6 +35,7 @@ use crate::parts::{
 };
 use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
 use crate::tally::Tally;
+use crate::trigger::TriggerLog;
 
 /// Entities of which a component that makes a body came, changed or went since the last step.
 #[derive(Resource, Debug, Default)]
@@ -194,10 +196,14 @@ fn take_leave(
     mut noted: ResMut<Noted>,
     mut merged: ResMut<MergedModels>,
     tally: Res<Tally>,
+    (triggers, motion): (Option<Res<TriggerLog>>, Option<Res<MotionLog>>),
 ) {
     if let Ok(&Body { id }) = bodies.get(removed.entity) {
         merged.leave(removed.entity);
-        records.take_leave(id, tally.mentions(id));
+        let is_named = tally.mentions(id)
+            || triggers.is_some_and(|log| log.mentions(id))
+            || motion.is_some_and(|log| log.has_left(id));
+        records.take_leave(id, is_named);
         table.remove_body(id);
         noted.pairs = true;
     }

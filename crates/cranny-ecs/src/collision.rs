@@ -92,9 +92,21 @@ pub(crate) struct Velocities<'w, 's> {
         (&'static Transform, &'static LinearVelocity, &'static AngularVelocity),
         With<Body>,
     >,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
 }
 
 impl Velocities<'_, '_> {
+    /// The point of a body, in its frame, that its linear velocity is of: what the solver has it
+    /// turn about, if the solver has it.
+    fn center(&self, records: &Bodies, body: BodyId) -> Option<DVec3> {
+        #[cfg(feature = "rapier")]
+        if let Some(center) = self.solver.as_ref().and_then(|solver| solver.center_of_mass(body)) {
+            return Some(center);
+        }
+        Some(crate::kinematics::center_of_mass(&records.get(body)?.model))
+    }
+
     /// Of the point of a body that is at `place` in the world. Zero for a body that is gone.
     pub(crate) fn at(&self, records: &Bodies, body: BodyId, place: DVec3) -> DVec3 {
         self.about(records, body, place)
@@ -105,7 +117,7 @@ impl Velocities<'_, '_> {
     fn about(&self, records: &Bodies, body: BodyId, place: DVec3) -> Option<(DVec3, DVec3, DVec3)> {
         let record = records.get(body)?;
         let (transform, linear, angular) = self.bodies.get(record.entity).ok()?;
-        let center = crate::kinematics::center_of_mass(&record.model);
+        let center = self.center(records, body)?;
         let arm = place - pose_of(transform).world_from_body().apply(center);
         Some((widened(linear.0), widened(angular.0), arm))
     }

@@ -70,9 +70,9 @@ fn mark(
     }
 }
 
-/// The centre of the solid; of the bounds where the mesh is open.
+/// The centre of the solid; the origin where the mesh is open, as for the solver.
 pub(crate) fn center_of_mass(model: &Model) -> DVec3 {
-    model.mass_properties().map_or_else(|| model.bounds().center(), |mass| mass.center)
+    model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center)
 }
 
 fn follow_velocities(

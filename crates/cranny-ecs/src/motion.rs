@@ -40,8 +40,6 @@ pub struct BodyMotion {
     /// The axis of its spin at the start, and turns about it since then (a step turns by less than
     /// half a turn). `None` where it did not spin.
     pub spin: Option<(DVec3, f64)>,
-    /// Steps completed when it was first [outside the world](MotionLog::region).
-    pub left: Option<u64>,
 }
 
 /// Motion of a pair that is meant to follow a [`Helix`].
@@ -67,6 +65,7 @@ pub struct MotionLog {
     tracks: BTreeMap<BodyId, Track>,
     helices: Vec<HelixTrack>,
     region: Aabb,
+    left: BTreeMap<BodyId, u64>,
 }
 
 #[derive(Clone, Debug)]
@@ -75,7 +74,8 @@ struct Track {
     now: Pose,
     axis: Option<DVec3>,
     angle: f64,
-    left: Option<u64>,
+    /// Nothing but physics moves it.
+    is_dynamic: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -87,9 +87,10 @@ struct HelixTrack {
 }
 
 impl Track {
-    fn new(now: Pose, angular: DVec3) -> Self {
+    fn new(now: Pose, angular: DVec3, kind: BodyKind) -> Self {
         let axis = angular.try_normalize();
-        Self { start: now.translation, now, axis, angle: 0.0, left: None }
+        let is_dynamic = kind == BodyKind::Dynamic;
+        Self { start: now.translation, now, axis, angle: 0.0, is_dynamic }
     }
 }
 
@@ -100,12 +101,12 @@ impl MotionLog {
             body,
             displacement: track.now.translation - track.start,
             spin: track.axis.map(|axis| (axis, track.angle / TAU)),
-            left: track.left,
         })
     }
 
     /// What all bodies fill where they are put, grown by its own diagonal: the world. What leaves
     /// it has fallen through something, or shot away.
+    /// What is led beyond it by a path or a velocity of its own has not.
     #[must_use]
     pub fn region(&self) -> Aabb {
         self.region.grown(self.region.diagonal())
@@ -116,12 +117,22 @@ impl MotionLog {
         self.helices.iter().map(|helix| helix.motion)
     }
 
+    /// Dynamic bodies that were outside the [region](Self::region), removed since or not, and how
+    /// many steps were completed when they first were.
+    pub fn left(&self) -> impl ExactSizeIterator<Item = (BodyId, u64)> {
+        self.left.iter().map(|(&body, &step)| (body, step))
+    }
+
+    pub(crate) fn has_left(&self, body: BodyId) -> bool {
+        self.left.contains_key(&body)
+    }
+
     fn note(&mut self, poses: &BTreeMap<BodyId, Pose>, steps: u64) {
         let region = self.region();
         for (id, track) in &mut self.tracks {
             let Some(pose) = poses.get(id) else { continue };
-            if track.left.is_none() && !region.contains_point(pose.translation) {
-                track.left = Some(steps);
+            if track.is_dynamic && !region.contains_point(pose.translation) {
+                self.left.entry(*id).or_insert(steps);
             }
             if let Some(axis) = track.axis {
                 track.angle += twist(pose.rotation * track.now.rotation.conjugate(), axis);
@@ -191,13 +202,14 @@ impl Plugin for MotionPlugin {
         let tracks = bodies.iter().filter(|(_, record)| record.kind != BodyKind::Fixed);
         let tracks = tracks.filter_map(|(id, record)| {
             let angular = app.world().get::<AngularVelocity>(record.entity)?;
-            Some((id, Track::new(pose(id)?, widened(angular.0))))
+            Some((id, Track::new(pose(id)?, widened(angular.0), record.kind)))
         });
         let boxes = bodies.iter().filter_map(|(id, record)| Some(filled(record, &pose(id)?)));
         let log = MotionLog {
             tracks: tracks.collect(),
             helices: helices.collect(),
             region: boxes.fold(Aabb::EMPTY, |all, one| all.union(&one)),
+            left: BTreeMap::new(),
         };
         app.insert_resource(log);
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
@@ -224,7 +236,7 @@ fn begin_track(
     let (Some(record), pose) = (bodies.get(id), pose_of(transform)) else { return };
     log.region = log.region.union(&filled(record, &pose));
     if record.kind != BodyKind::Fixed {
-        log.tracks.entry(id).or_insert_with(|| Track::new(pose, widened(angular.0)));
+        log.tracks.entry(id).or_insert_with(|| Track::new(pose, widened(angular.0), record.kind));
     }
 }
 

@@ -9,7 +9,7 @@ use cranny_world::description::SceneDescription;
 use crate::body::Bodies;
 use crate::clock::{PhaseTimes, SimulatedTime};
 use crate::links::LinkLog;
-use crate::motion::{BodyMotion, MotionLog};
+use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
@@ -155,11 +155,8 @@ fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
 }
 
 fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {
-    let log = world.get_resource::<MotionLog>().into_iter().flat_map(MotionLog::bodies);
-    let left = |motion: BodyMotion| {
-        Some(LeftSummary { body: bodies.name(motion.body).to_owned(), step: motion.left? })
-    };
-    log.filter_map(left).collect()
+    let log = world.get_resource::<MotionLog>().into_iter().flat_map(MotionLog::left);
+    log.map(|(body, step)| LeftSummary { body: bodies.name(body).to_owned(), step }).collect()
 }
 
 fn count(series: &Series) -> CountSummary {

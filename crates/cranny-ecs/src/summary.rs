@@ -51,7 +51,7 @@ pub struct RunSummary {
     pub first_overlap: Option<DeepestSummary>,
     /// Pairs that ask for `Trigger` and touched, by ids.
     pub triggers: Vec<TriggerSummary>,
-    /// Bodies that left the world: a box about all bodies where they were put, grown by its own
+    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its own
     /// diagonal.
     pub left: Vec<LeftSummary>,
     /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,

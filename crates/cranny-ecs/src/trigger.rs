@@ -127,6 +127,11 @@ impl TriggerLog {
         self.0.iter().map(|(&pair, &fired)| (pair, fired))
     }
 
+    /// Whether a summary will name a body.
+    pub(crate) fn mentions(&self, body: BodyId) -> bool {
+        self.0.keys().any(|&(a, b)| a == body || b == body)
+    }
+
     fn note(&mut self, pair: Pair, step: u64) {
         self.0.entry(pair).or_insert(Fired { times: 0, step }).times += 1;
     }

@@ -417,7 +417,7 @@ fn a_path_that_is_none_is_refused_at_its_body() {
         );
         let error = parse(&text).unwrap_err().to_string();
         assert!(error.contains("test.ron, line 2, column"), "{error}");
-        assert!(error.contains("\"lift\" has a path"), "{error}");
+        assert!(error.contains("body \"lift\": it") && error.contains("path"), "{error}");
         error
     };
     let two = "(time: 0), (time: 1)";

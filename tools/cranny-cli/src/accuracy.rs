@@ -73,8 +73,9 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     let subject = Subject::read(args)?;
     // What cannot be written is reported before the long work.
     make_folder(&args.out)?;
-    FILES.iter().try_for_each(|name| check_writable(&args.out.join(name)))?;
-    let judged = subject.judged(args)?;
+    let files = FILES.iter().chain([&page::PICTURE]);
+    files.into_iter().try_for_each(|name| check_writable(&args.out.join(name)))?;
+    let (judged, shown) = subject.prepared(args)?;
 
     let contestants = measured(&judged, ours, args);
     let all: Vec<MethodFigures> = contestants.iter().map(|one| one.figures(&judged)).collect();
@@ -92,7 +93,7 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
         .flat_map(|&budget| rested(&judged.motion, budget, patience))
         .collect();
     let chart = chart::of_methods(&all)?;
-    let page = page::page(&subject.shown(args)?, &judged, &all, &chart)?;
+    let page = page::page(&shown, &judged, &all, &chart)?;
     let mut texts = vec![table::csv(&all), pose_table.csv().to_owned(), chart, page];
     if !rest.is_empty() {
         texts.extend([refinement::csv(&rest), chart::of_rest(&rest)?]);
@@ -119,25 +120,20 @@ impl Subject {
         Ok(Self::Pair(Motion::of_pair([a, b], &poses)))
     }
 
-    fn judged(&self, args: &AccuracyArgs) -> Result<Judged, Failure> {
-        let (motion, source) = match self {
+    /// The poses, with what is so at each, and what the page says of them.
+    fn prepared(self, args: &AccuracyArgs) -> Result<(Judged, PageSubject), Failure> {
+        let (motion, shown, source) = match self {
             Self::Scene(scene) => {
-                (Motion::of_scene(scene, args.duration)?, format!("scene {}", scene.path.display()))
+                let (motion, shown) = PageSubject::of_scene(&scene, args)?;
+                (motion, shown, format!("scene {}", scene.path.display()))
             }
             Self::Pair(motion) => {
                 let poses = args.poses.as_deref().unwrap_or(Path::new(""));
-                (motion.clone(), format!("pose file {}", poses.display()))
+                (motion, PageSubject::of_pair(args), format!("pose file {}", poses.display()))
             }
         };
-        motion.judged().map_err(|error| Failure::input(format!("{source}: {error}")))
-    }
-
-    /// What the page says of it, and its picture.
-    fn shown(&self, args: &AccuracyArgs) -> Result<PageSubject, Failure> {
-        match self {
-            Self::Scene(scene) => PageSubject::of_scene(scene, args),
-            Self::Pair(_) => Ok(PageSubject::of_pair(args)),
-        }
+        let judged = motion.judged().map_err(|error| Failure::input(format!("{source}: {error}")));
+        Ok((judged?, shown))
     }
 }
 

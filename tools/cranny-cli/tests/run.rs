@@ -64,6 +64,7 @@ fn the_summary_says_what_happened() {
         (name: "gate", shape: Generator(Cuboid(size: (2, 2, 0.5))), kind: Fixed, sensor: true),
         (name: "stone", shape: Generator(Cuboid(size: (0.5, 0.5, 0.5))), pose: (at: (0, 0, 1))),
         (name: "wall", shape: Generator(Cuboid(size: (1, 1, 1))), kind: Fixed, pose: (at: (4, 0, 0))),
+        (name: "bird", shape: Generator(Cuboid(size: (0.1, 0.1, 0.1))), kind: Kinematic, pose: (at: (0, 0.9, 1)), velocity: (linear: (0, 50, 50))),
         (name: "stuck", shape: Generator(Cuboid(size: (1, 1, 1))), pose: (at: (4, 0, 0.875))),
     ], effects: [Response(), Contacts(margin: 0)],
        pairs: [(a: "gate", b: "stone", effects: [Trigger()])])"#;

@@ -162,3 +162,21 @@ fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
     };
     assert_eq!(run(), run());
 }
+
+#[test]
+fn a_summary_names_what_triggered_and_is_gone() {
+    let mut app = empty(&[Effect::Trigger]);
+    let body = |app: &mut SceneApp, kind, x: f32, name: &'static str| {
+        let place = Transform::from_xyz(x, 0.0, 0.0);
+        world(app).spawn((kind, unit(), place, Name::new(name))).id()
+    };
+    body(&mut app, RigidBody::Fixed, 0.0, "gate");
+    let guest = body(&mut app, RigidBody::Kinematic, 0.5, "guest");
+    steps(&mut app, 2);
+    assert!(world(&mut app).despawn(guest));
+    steps(&mut app, 4);
+    let summary = app.finish().unwrap();
+    let [trigger] = summary.triggers.as_slice() else { panic!("{:?}", summary.triggers) };
+    let (a, b) = (trigger.a.as_str(), trigger.b.as_str());
+    assert_eq!((a, b, trigger.times), ("gate", "guest", 1));
+}

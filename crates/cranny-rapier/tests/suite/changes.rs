@@ -1,7 +1,7 @@
 //! Bodies that come, change and leave between steps.
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_rapier::{BodyIndex, BodyKind, JointSpec, Simulation, SimulationOptions};
 
 use crate::world::{Apart, cuboid, spec};
@@ -176,4 +176,47 @@ fn settings_of_a_body_count_from_the_next_step() {
     simulation.set_groups(upper, 1, 2);
     steps(&mut simulation, 240);
     assert!(height(&simulation, upper) < 0.0, "it does not meet the first group");
+}
+
+/// A kinematic body turns about the middle of its solid, however it came to be one and to its
+/// shape; an open mesh turns about its origin.
+#[test]
+fn a_kinematic_body_turns_about_its_centre_of_mass_however_it_came_to_be_one() {
+    let off = |size: f64| {
+        let cube = cube(size);
+        let vertices = cube.mesh().vertices().iter().map(|&p| p + 2.0 * DVec3::X).collect();
+        let mesh = Mesh::new(vertices, cube.mesh().faces().to_vec()).unwrap();
+        Model::build(mesh, &BuildOptions::default()).unwrap().0
+    };
+    let (small, large) = (off(0.5), off(1.0));
+    let open = {
+        let mesh = large.mesh();
+        let mesh = Mesh::new(mesh.vertices().to_vec(), mesh.faces()[1..].to_vec()).unwrap();
+        Model::build(mesh, &BuildOptions::default()).unwrap().0
+    };
+    let center = |change: &dyn Fn(&mut Simulation, BodyIndex)| {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        let body = simulation.insert(&spec(&large, BodyKind::Fixed, DVec3::ZERO)).unwrap();
+        change(&mut simulation, body);
+        simulation.set_velocity(body, DVec3::ZERO, DVec3::Z);
+        steps(&mut simulation, 60);
+        let pose = simulation.pose(body).world_from_body();
+        let middle = simulation.center_of_mass(body);
+        assert!(pose.apply(middle).distance(middle) < 1e-3, "it moved about {middle}");
+        assert!(pose.apply(middle + DVec3::X).distance(middle + DVec3::X) > 0.1, "it turned");
+        assert_eq!(simulation.mass(body), 0.0);
+        middle
+    };
+    let kinematic = |simulation: &mut Simulation, body| {
+        simulation.set_kind(body, BodyKind::Kinematic, &large, 1.0).unwrap();
+    };
+    let reshaped = |model: &Model| {
+        center(&|simulation: &mut Simulation, body| {
+            kinematic(simulation, body);
+            simulation.set_shape(body, model, cranny_rapier::Normals::Flat, 1.0).unwrap();
+        })
+    };
+    assert!(center(&kinematic).distance(2.0 * DVec3::X) < 1e-6);
+    assert!(reshaped(&small).distance(2.0 * DVec3::X) < 1e-6);
+    assert!(reshaped(&open).length() < 1e-6);
 }

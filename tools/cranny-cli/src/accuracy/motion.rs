@@ -1,8 +1,10 @@
 //! The poses at which all methods answer: of pairs of bodies, each pair's one after another.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
 
-use cranny_ecs::{ContactFields, Detector, PluginOptions, RunOptions, SceneApp};
+use cranny_ecs::{ContactFields, Detector, PictureOptions, PluginOptions, RunOptions, SceneApp};
 use cranny_geometry::Model;
 use cranny_scene::LoadedScene;
 use cranny_world::description::Effect;
@@ -28,7 +30,6 @@ const STRETCH: u64 = 24;
 type NearPairs = BTreeMap<(BodyId, BodyId), ([Model; 2], Vec<PosePair>)>;
 
 /// Pairs of bodies, and the poses of each in the order of its motion.
-#[derive(Clone)]
 pub(super) struct Motion {
     pairs: Vec<[Model; 2]>,
     /// Pair by pair.
@@ -63,12 +64,17 @@ impl Motion {
         Self { pairs: vec![models], at: poses.iter().map(|&poses| (0, poses)).collect() }
     }
 
-    /// Of all pairs whose boxes overlap, while a scene runs under our detector.
+    /// Of all pairs whose boxes overlap, while a scene runs under our detector; and the run's
+    /// preview, which is written to `picture`, or why there is none.
     ///
     /// # Errors
     ///
     /// A scene that cannot be simulated, or in which no two bodies come near each other.
-    pub(super) fn of_scene(scene: &LoadedScene, duration: Option<f64>) -> Result<Self, Failure> {
+    pub(super) fn of_scene(
+        scene: &LoadedScene,
+        duration: Option<f64>,
+        picture: &Path,
+    ) -> Result<(Self, Result<Vec<u8>, String>), Failure> {
         let mut description = scene.description.clone();
         // All near pairs are looked at, whatever the scene asks to be reported.
         if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
@@ -80,8 +86,14 @@ impl Motion {
                 ..PluginOptions::default()
             },
             duration,
+            pictures: PictureOptions {
+                preview: Some(picture.to_owned()),
+                ..PictureOptions::default()
+            },
             ..RunOptions::default()
         };
+        // That of an earlier report would pass for this run's.
+        let _ = fs::remove_file(picture);
         let mut app = SceneApp::new(&description, &options).map_err(failure)?;
         let total = app.steps_total();
         let bar = progress::bar(total, "simulating");
@@ -94,6 +106,12 @@ impl Motion {
             }
         }
         bar.finish_and_clear();
+        let summary = app.finish().map_err(failure)?;
+        let missing = || {
+            let skipped = summary.skipped.iter().map(|skip| format!("{}: {}", skip.what, skip.why));
+            format!("There is no picture. {}", skipped.collect::<Vec<_>>().join("; "))
+        };
+        let drawn = fs::read(picture).map_err(|_| missing());
         let mut motion = Self { pairs: Vec::new(), at: Vec::new() };
         for (models, poses) in near.into_values() {
             motion.at.extend(poses.into_iter().map(|poses| (motion.pairs.len(), poses)));
@@ -105,7 +123,7 @@ impl Motion {
                 scene.path.display()
             )));
         }
-        Ok(motion)
+        Ok((motion, drawn))
     }
 
     /// Poses of all pairs.

@@ -1,10 +1,8 @@
 //! What accuracy costs, for somebody who never saw the project: the question, a picture, the plot,
 //! what follows from it, the tables, and how to do it again.
 
-use std::fs;
 use std::path::Path;
 
-use cranny_ecs::{PictureOptions, RunOptions, SceneApp};
 use cranny_rapier::Detector;
 use cranny_scene::LoadedScene;
 use cranny_world::description::Effect;
@@ -12,17 +10,16 @@ use cranny_world::description::Effect;
 use super::chart::percent;
 use super::conclusion::paragraphs;
 use super::figures::MethodFigures;
-use super::motion::Judged;
+use super::motion::{Judged, Motion};
 use super::panel::Panel;
 use crate::args::{AccuracyArgs, InsteadArgs};
 use crate::compare::{self, RunFigures, figures, simulated};
 use crate::failure::Failure;
 use crate::page::Page;
 use crate::png::first_picture;
-use crate::run::failure;
 
 /// The picture of a scene, in the folder of the report.
-const PICTURE: &str = "scene.png";
+pub(super) const PICTURE: &str = "scene.png";
 
 /// What is measured, as a page shows it.
 pub(super) struct PageSubject {
@@ -39,77 +36,71 @@ pub(super) struct PageSubject {
 impl PageSubject {
     /// Two meshes.
     pub(super) fn of_pair(args: &AccuracyArgs) -> Self {
-        let name = |path: &Path| {
-            path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned())
-        };
-        let b = args.mesh_b.as_deref().map(name).unwrap_or_default();
-        let poses = args.poses.as_deref().map(name).unwrap_or_default();
-        let a = name(&args.subject);
+        let b = args.mesh_b.as_deref().map(file_name).unwrap_or_default();
+        let poses = args.poses.as_deref().map(file_name).unwrap_or_default();
+        let a = file_name(&args.subject);
         Self {
             title: format!("{a} and {b}"),
             source: format!("The poses are those of {poses}."),
-            command: format!("cranny accuracy {a} {b} --poses {poses} --out DIR"),
+            command: command(),
             picture: Err("Two meshes without a scene have no picture.".to_owned()),
             runs: Vec::new(),
         }
     }
 
-    /// A scene, run once more for its picture and under each detector.
+    /// A scene: the poses and the picture of a run, and its motion under each detector.
     ///
     /// # Errors
     ///
     /// A run of ours that failed; a picture that cannot be written.
-    pub(super) fn of_scene(scene: &LoadedScene, args: &AccuracyArgs) -> Result<Self, Failure> {
+    pub(super) fn of_scene(
+        scene: &LoadedScene,
+        args: &AccuracyArgs,
+    ) -> Result<(Motion, Self), Failure> {
         let name = scene.path.file_name().unwrap_or(scene.path.as_os_str()).to_string_lossy();
-        let duration = args.duration.map_or(String::new(), |s| format!(" --duration {s}"));
+        let (motion, picture) = Motion::of_scene(scene, args.duration, &args.out.join(PICTURE))?;
         let contests: Vec<(Detector, bool)> = match (responds(scene), args.no_peers) {
             (false, _) => Vec::new(),
             (true, true) => vec![(Detector::Cranny, true)],
             (true, false) => Detector::ALL.map(|detector| (detector, true)).to_vec(),
         };
         let instead = InsteadArgs { duration: args.duration, dt: None, seed: None };
-        Ok(Self {
+        let shown = Self {
             title: scene.description.name.replace('_', " "),
             source: format!(
                 "The poses are those of the scene {name}, of every pair of bodies whose boxes overlap while it runs."
             ),
-            command: format!("cranny accuracy {name}{duration} --out DIR"),
-            picture: picture(scene, args)?,
+            command: command(),
+            picture: picture.map(|png| first_picture(&png).unwrap_or(png)),
             runs: match contests.is_empty() {
                 true => Vec::new(),
                 false => simulated(scene, &contests, &instead, false)?,
             },
-        })
+        };
+        Ok((motion, shown))
     }
 }
 
 /// Whether a solver moves something.
 fn responds(scene: &LoadedScene) -> bool {
-    let description = &scene.description;
-    let of_bodies = description.bodies.iter().flat_map(|body| &body.effects);
-    let of_pairs = description.pairs.iter().flat_map(|pair| &pair.effects);
-    let mut all = description.effects.iter().chain(of_bodies).chain(of_pairs);
-    all.any(|effect| matches!(effect, Effect::Response))
+    scene.description.all_effects().any(|effect| matches!(effect, Effect::Response))
 }
 
-/// The page of views of a run, or why nothing could be drawn.
-fn picture(scene: &LoadedScene, args: &AccuracyArgs) -> Result<Result<Vec<u8>, String>, Failure> {
-    let path = args.out.join(PICTURE);
-    let options = RunOptions {
-        duration: args.duration,
-        pictures: PictureOptions { preview: Some(path.clone()), ..PictureOptions::default() },
-        ..RunOptions::default()
+/// The command as it was given, but for where files lie.
+fn command() -> String {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let word = |(i, word): (usize, &String)| match i.checked_sub(1).map(|before| &*words[before]) {
+        Some("--out") => "DIR".to_owned(),
+        _ if word.starts_with("--out=") => "--out=DIR".to_owned(),
+        _ => file_name(Path::new(word)),
     };
-    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
-    while app.step().map_err(failure)? {}
-    let summary = app.finish().map_err(failure)?;
-    if let Some(skipped) = summary.skipped.first() {
-        return Ok(Err(format!("{} is missing here: {}", skipped.what, skipped.why)));
-    }
-    let read = fs::read(&path).map_err(|error| {
-        Failure::run(format!("{}: cannot be read back ({error})", path.display()))
-    })?;
-    Ok(Ok(first_picture(&read).unwrap_or(read)))
+    let all: Vec<String> = words.iter().enumerate().map(word).collect();
+    format!("cranny {}", all.join(" "))
+}
+
+/// The last part of a path; a word that is no path is one.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
 }
 
 /// The page as HTML.

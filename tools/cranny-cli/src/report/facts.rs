@@ -73,9 +73,12 @@ impl Facts {
         PlotSeries { name: name.to_owned(), points: points.collect() }
     }
 
-    /// Whether contacts were reported, so that none means none.
+    /// Whether contacts were reported, so that none means none. Recordings that name no effects
+    /// are older than that: one contact is enough.
     pub(super) fn reports_contacts(&self) -> bool {
-        self.fact("effects").contains("Contacts")
+        let effects = self.fact(topic::EFFECTS_KEY);
+        let some = || self.stats.iter().any(|(_, stats)| stats.contacts > 0);
+        effects.split(", ").any(|name| name == "Contacts") || (effects.is_empty() && some())
     }
 
     /// Empty where none were reported.

@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use cranny_record::topic;
 use cranny_render::Color;
 use cranny_render::palette::{self, palette};
 
@@ -150,7 +151,7 @@ impl RunPage<'_> {
             false => format!("<tr><th>{name}</th><td>{}</td></tr>", escaped(value)),
         };
         let rows = [
-            row("effects", facts.fact("effects")),
+            row("effects", facts.fact(topic::EFFECTS_KEY)),
             row("detector", &[facts.fact("detector"), facts.fact("accuracy")].join(", ")),
             row("step", &format!("{} s", facts.fact("dt"))),
             row("seed", facts.fact("seed")),

@@ -283,7 +283,12 @@ fn a_scene_is_measured_at_the_poses_of_its_run() {
     assert!(seen > 5 && seen < 25 && poses.iter().all(|count| *count == poses[0]), "{poses:?}");
     let html = fs::read_to_string(folder.path("out").join("accuracy.html")).unwrap();
     let said = format!("There are {seen} poses of 1 pair: ");
-    for word in [&said, "fall", "What it does to the motion", "--duration 0.5 --out DIR"] {
+    for word in [
+        &said,
+        "fall",
+        "What it does to the motion",
+        "cranny accuracy fall.ron --out DIR --duration 0.5 --runs 1",
+    ] {
         assert!(html.contains(word), "{word}");
     }
     let lonely = folder.write(

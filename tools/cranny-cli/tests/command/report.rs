@@ -87,6 +87,24 @@ fn a_page_stands_alone_and_says_what_happened() {
     look_by_a_browser(&out);
 }
 
+/// Where nobody reports contacts, none recorded does not mean none.
+#[test]
+fn a_page_without_contacts_does_not_say_that_there_were_none() {
+    let folder = Folder::new();
+    let scene = folder.write("drop.ron", DROP.replace(", Contacts(margin: 0.01)", ""));
+    let (recording, out) =
+        (argument(&folder.path("drop.mcap")), argument(&folder.path("page.html")));
+    assert_eq!(run(&["run", &scene, "--record", &recording]).code, Some(0));
+    let outcome = run(&["report", &recording, "--out", &out, "--pictures", "1"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let html = std::fs::read_to_string(&out).unwrap();
+    assert!(html.contains("Contacts and depths are not recorded"), "{html}");
+    for wrong in ["No overlap was found", "0 contacts", "aria-label=\"contacts\""] {
+        assert!(!html.contains(wrong), "{wrong}");
+    }
+    assert!(html.contains("aria-label=\"mechanical energy\""));
+}
+
 /// No complaint in the console at the width of a telephone and of a desk.
 fn look_by_a_browser(page: &str) {
     let browsers = ["chromium", "chromium-browser", "google-chrome"];
