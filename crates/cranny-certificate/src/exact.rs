@@ -8,7 +8,7 @@ use dashu_ratio::RBig;
 /// A vector with whole coordinates.
 pub(crate) type Vector = [IBig; 3];
 
-/// A power of two of which all coordinates of a problem are multiples.
+/// A power of two that divides all coordinates of a problem.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     /// The step is two to this power.

@@ -24,18 +24,26 @@
 //! `solids` concludes.
 //!
 //! ```
-//! use cranny_certificate::{Certificate, Claim, Evidence, Frame, Step, SurfaceVerdict, Triangles, verify};
+//! use cranny_certificate::{
+//!     Certificate, Claim, Evidence, Frame, Step, SurfaceVerdict, Triangles, verify,
+//! };
 //!
 //! let corner = Triangles {
 //!     vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
 //!     faces: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
 //! };
-//! let at = |x: f64| [1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+//! let at = |x: f64| {
+//!     [1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+//! };
 //! let mut certificate = Certificate {
 //!     poses: [at(0.0), at(1.5)],
 //!     frame: Frame::A,
 //!     map: [1.0, 0.0, 0.0, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-//!     evidence: Evidence { crossing: None, touching: None, apart: vec![Step::Direction([1.0, 0.0, 0.0])] },
+//!     evidence: Evidence {
+//!         crossing: None,
+//!         touching: None,
+//!         apart: vec![Step::Direction([1.0, 0.0, 0.0])],
+//!     },
 //! };
 //! let apart = Claim { surface: SurfaceVerdict::None, solid: false, contained: None };
 //! assert_eq!(verify(&apart, &certificate, [&corner, &corner]), Ok(()));

@@ -151,7 +151,8 @@ fn check_map(certificate: &Certificate) -> Result<(), String> {
             let off = (found - expected).abs();
             if off.is_nan() || off > allowed * scale {
                 return Err(format!(
-                    "the map is not that of the poses: {found} stands in row {i}, column {j}, and {expected} follows from them"
+                    "the map is not that of the poses: {found} stands in row {i}, column {j}, and \
+                     {expected} follows from them"
                 ));
             }
         }

@@ -99,7 +99,7 @@ fn lead(
 }
 
 /// A body this near its path (in rounding errors of its coordinates) is where it should be.
-/// Smaller: a body that waits is moved to and fro by a rounding error, and wakes whatever it
+/// Smaller: a body that waits is moved to and fro by a rounding error, and wakes what it
 /// touches; larger: it lags behind a slow path.
 const ROUNDINGS: f64 = 4.0;
 

@@ -91,7 +91,7 @@ pub struct ReplayReport {
     pub same: u64,
     /// Pairs that did not; the first of them by name.
     pub different: Vec<ReplayDifference>,
-    /// Pairs of which the recording does not say how far regions were asked for, or what collides.
+    /// Pairs for which the recording does not say what collides, or within what margin.
     pub unknown: u64,
 }
 
@@ -193,7 +193,7 @@ impl Replay {
     }
 
     /// The answer about a pair, in the frame and from the poses in which it was computed; `None`
-    /// where the recording does not say how far regions were asked for, or what collides.
+    /// where the recording does not say what collides, or within what margin.
     fn compute(&self, pair: &PairMessage) -> Option<Result<Answer, QueryError>> {
         let model = |name: &str| self.bodies.get(name)?.model.as_ref();
         let (a, b) = (model(&pair.a)?, model(&pair.b)?);

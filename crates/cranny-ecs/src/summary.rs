@@ -49,13 +49,13 @@ pub struct RunSummary {
     /// The first overlap of all, deepest of its step or not; `None` where there was none, or no
     /// exact answer has depths.
     pub first_overlap: Option<DeepestSummary>,
-    /// Pairs that ask for `Trigger` and touched, by ids.
+    /// Pairs with `Trigger` that touched, by ids.
     pub triggers: Vec<TriggerSummary>,
-    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its own
-    /// diagonal.
+    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its
+    /// own diagonal.
     pub left: Vec<LeftSummary>,
-    /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
-    /// or where no exact answer tells.
+    /// Bodies that lay wholly within another's material, which has no depth; `None` if none did,
+    /// or where there is no exact answer.
     pub contained: Option<ContainedSummary>,
     /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
     /// 0 or more. `None` without a solver.
@@ -111,7 +111,7 @@ pub struct DeepestSummary {
     pub step: u64,
 }
 
-/// A pair that asks for `Trigger` and touched.
+/// A pair with `Trigger` that touched.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct TriggerSummary {
     /// Name of a body.

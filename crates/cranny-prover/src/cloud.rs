@@ -42,7 +42,7 @@ pub(crate) struct Clouds<'a> {
 }
 
 impl<'a> Clouds<'a> {
-    /// Of a body whose vertices are moved as `place` says.
+    /// Of a body; `place` moves its vertices.
     pub(crate) fn new(filed: &'a Triangles, place: impl Fn(DVec3) -> DVec3) -> Self {
         let position = |&p: &[f64; 3]| place(DVec3::from_array(p));
         Self {

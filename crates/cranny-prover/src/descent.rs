@@ -27,7 +27,7 @@ pub(crate) struct Contradiction {
     pub(crate) meeting: Meeting,
 }
 
-/// How many pairs of touching faces are asked for a plane that parts the whole bodies. Fewer: a
+/// How many touching faces are tried for a plane that parts the whole bodies. Fewer: a
 /// body that stands on another is parted face by face. More: each costs a look at all vertices.
 const ASKED_FOR_A_PLANE: usize = 3;
 

@@ -2,7 +2,7 @@
 //!
 //! # Promises
 //!
-//! - Evidence is sought on the triangles as filed, whatever the query did. A wrong verdict has
+//! - Evidence is sought on the triangles as filed, not on what the query did. A wrong verdict has
 //!   none, and [`ProveError::Contradicted`] says which faces contradict it.
 //! - [`prove`] finds evidence for every right verdict.
 //! - No input or output, no clock, no globals.

@@ -15,8 +15,8 @@ const CUBE: [[usize; 4]; 6] =
 struct Files(tempfile::TempDir);
 
 impl Files {
-    /// `cube.obj`; `open.obj`, which lacks its lid; `cracked.obj`, of which one edge has a vertex
-    /// in its middle on one side only; `flat.obj`.
+    /// `cube.obj`; `open.obj`, which lacks its lid; `cracked.obj`, with an edge that has a
+    /// vertex in its middle on one side only; `flat.obj`.
     fn new() -> Self {
         let files = Self(tempfile::tempdir().unwrap());
         let corners = (0..8).map(|i| {

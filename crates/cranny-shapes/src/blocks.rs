@@ -28,7 +28,7 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// x is an angle, of which `period` is a whole turn; boxes may run beyond it.
+    /// x is an angle and `period` a whole turn; boxes may run beyond it.
     pub(crate) fn around(period: f64) -> Self {
         Self { blocks: Vec::new(), period: Some(period) }
     }

@@ -24,7 +24,7 @@ const MAX_BOXES: u32 = 256;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Boxes {
-    /// Boxes of which the solid consists, 1 to 256, scene units. Default: two that make an L.
+    /// Boxes that make up the solid, 1 to 256, scene units. Default: two that make an L.
     pub add: Vec<Corners>,
     /// Boxes that are cut out of all of them, at most 256. Default: none.
     pub cut: Vec<Corners>,

@@ -81,8 +81,8 @@ pub struct BodyDescription {
     pub linear_velocity: DVec3,
     /// Radians a second.
     pub angular_velocity: DVec3,
-    /// Where it goes, in place of its velocities: of kinematic bodies, whose `pose` is the path's
-    /// at time 0.
+    /// Where it goes, in place of its velocities. Kinematic bodies only; `pose` is the path's at
+    /// time 0.
     pub path: Option<Arc<KeyframedPath>>,
     /// What it is made of.
     pub material: Material,

@@ -1,8 +1,10 @@
 //! What all drawings have in common: a file in memory, colours, letters, a legend.
 
 use std::io;
+use std::ops::Range;
 
 use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -30,6 +32,47 @@ pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// What a drawing may fail with.
 pub(crate) type Failed = DrawingAreaErrorKind<io::Error>;
+
+/// A chart whose axes are both logarithmic.
+pub(crate) type LogChart<'a, 'b> =
+    ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// What is written at the edges of a chart.
+pub(crate) struct Words {
+    pub(crate) caption: &'static str,
+    pub(crate) x: &'static str,
+    pub(crate) y: &'static str,
+}
+
+/// Logarithmic axes over ranges above 0; `mark` writes the numbers of the vertical one.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn log_axes<'a, 'b>(
+    area: &'a Area<'b>,
+    (xs, ys): (Range<f64>, Range<f64>),
+    words: &Words,
+    mark: fn(f64) -> String,
+) -> Result<LogChart<'a, 'b>, Failed> {
+    let mut chart = ChartBuilder::on(area)
+        .margin(14)
+        .caption(words.caption, CAPTION)
+        .x_label_area_size(48)
+        .y_label_area_size(80)
+        .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
+    chart
+        .configure_mesh()
+        .light_line_style(BLACK.mix(0.03))
+        .bold_line_style(BLACK.mix(0.15))
+        .x_desc(words.x)
+        .y_desc(words.y)
+        .label_style(LABEL)
+        .x_label_formatter(&|x| format!("{x}"))
+        .y_label_formatter(&|y| mark(*y))
+        .draw()?;
+    Ok(chart)
+}
 
 /// A drawing as SVG, on white.
 ///

@@ -80,8 +80,8 @@ pub(crate) fn simulated(
     own_substeps: bool,
 ) -> Result<Vec<RunFigures>, Failure> {
     let mut description = scene.description.clone();
-    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to
-    // be reported.
+    // Depths are exact answers at the poses that each detector led to. They are found also where
+    // the scene reports no contacts.
     if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
         description.effects.push(Effect::Contacts { margin: 0.0 });
     }

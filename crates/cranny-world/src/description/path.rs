@@ -70,7 +70,7 @@ pub enum PathError {
     NoLoop,
 }
 
-/// A path in the world that a kinematic body follows, whatever it meets.
+/// A path in the world. A kinematic body follows it and pushes away what it meets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyframedPath {
     keyframes: Vec<Keyframe>,

@@ -5,10 +5,7 @@ mod rest;
 
 use std::ops::Range;
 
-use plotters::coord::combinators::LogCoord;
-use plotters::prelude::*;
-
-use crate::chart::{Area, CAPTION, Failed, LABEL};
+use crate::chart::{Area, Failed, LogChart, Words, log_axes};
 
 pub(super) use methods::of_methods;
 pub(super) use rest::of_rest;
@@ -23,39 +20,14 @@ const NAMES: u32 = 210;
 /// (1e-7) counts as exact.
 const FLOOR: f64 = 1e-8;
 
-type LogCoordinates = Cartesian2d<LogCoord<f64>, LogCoord<f64>>;
-
-/// What is written at the edges.
-struct Words {
-    caption: &'static str,
-    x: &'static str,
-    y: &'static str,
-}
-
 /// Axes around all values of the one, and all errors.
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
     xs: impl Iterator<Item = f64>,
     words: &Words,
-) -> Result<ChartContext<'a, SVGBackend<'b>, LogCoordinates>, Failed> {
+) -> Result<LogChart<'a, 'b>, Failed> {
     let xs: Vec<f64> = xs.collect();
-    let mut chart = ChartBuilder::on(area)
-        .margin(14)
-        .caption(words.caption, CAPTION)
-        .x_label_area_size(48)
-        .y_label_area_size(76)
-        .build_cartesian_2d(span(&xs).log_scale(), (0.15 * FLOOR..2.0).log_scale())?;
-    chart
-        .configure_mesh()
-        .light_line_style(BLACK.mix(0.03))
-        .bold_line_style(BLACK.mix(0.15))
-        .x_desc(words.x)
-        .y_desc(words.y)
-        .label_style(LABEL)
-        .x_label_formatter(&|x| format!("{x}"))
-        .y_label_formatter(&|error| percent(*error))
-        .draw()?;
-    Ok(chart)
+    log_axes(area, (span(&xs), 0.15 * FLOOR..2.0), words, percent)
 }
 
 /// Smaller shares are written with an exponent.

@@ -76,7 +76,7 @@ impl Motion {
         picture: &Path,
     ) -> Result<(Self, Result<Vec<u8>, String>), Failure> {
         let mut description = scene.description.clone();
-        // All near pairs are looked at, whatever the scene asks to be reported.
+        // All near pairs are looked at, also those that the scene does not report.
         if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
             description.effects.push(Effect::Contacts { margin: 0.0 });
         }

@@ -5,8 +5,8 @@ use plotters::prelude::*;
 
 use super::figures::{RunFigures, StepTimes};
 use crate::chart::{
-    Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, YELLOW,
-    legend, svg,
+    Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, Words, YELLOW,
+    legend, log_axes, svg,
 };
 use crate::failure::Failure;
 
@@ -61,22 +61,12 @@ fn draw_outcome(area: &Area<'_>, marks: &[(String, (f64, f64))]) -> Result<(), F
         less * values().fold(f64::MAX, f64::min)..more * values().fold(0.0, f64::max)
     };
     let (xs, ys) = (span(|at| at.0, 0.5, 6.0), span(|at| at.1, 0.4, 3.0));
-    let mut chart = ChartBuilder::on(area)
-        .margin(16)
-        .caption("Deepest overlap by the time of a step", CAPTION)
-        .x_label_area_size(48)
-        .y_label_area_size(84)
-        .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
-    chart
-        .configure_mesh()
-        .light_line_style(BLACK.mix(0.03))
-        .bold_line_style(BLACK.mix(0.15))
-        .x_desc("mean time of a step, milliseconds")
-        .y_desc("deepest overlap, units of the scene")
-        .label_style(LABEL)
-        .x_label_formatter(&|x| format!("{x}"))
-        .y_label_formatter(&|y| format!("{y:.0e}"))
-        .draw()?;
+    let words = Words {
+        caption: "Deepest overlap by the time of a step",
+        x: "mean time of a step, milliseconds",
+        y: "deepest overlap, units of the scene",
+    };
+    let mut chart = log_axes(area, (xs, ys), &words, |depth| format!("{depth:.0e}"))?;
     for ((name, at), color) in marks.iter().zip(COLORS.into_iter().cycle()) {
         let text = Text::new(name.clone(), (9, -7), ("sans-serif", 14).into_font().color(&color));
         let mark = EmptyElement::at(*at) + Circle::new((0, 0), 5, color.filled()) + text;

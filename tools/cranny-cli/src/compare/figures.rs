@@ -234,7 +234,7 @@ const HEADINGS: [[&str; 2]; 19] = [
     ["", "off helix"],
 ];
 
-/// Headings and rows of the columns of which somebody knows something.
+/// Headings and rows of the columns that have a value in some row.
 pub(crate) fn columns(rows: &[RunFigures]) -> (Vec<String>, Vec<Vec<String>>) {
     let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
     let shown = shown(&cells);

@@ -18,7 +18,7 @@ const RIGHT: f64 = 12.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 30.0;
 
-/// Points of a line: as many as there are pixels to tell them apart.
+/// Points of a line: one a pixel.
 const MOST_POINTS: usize = 400;
 
 /// Values that differ by less than this share of their size are one value: rounding draws no hills,

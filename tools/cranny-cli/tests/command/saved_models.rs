@@ -109,7 +109,7 @@ fn an_open_mesh_simulates_and_both_commands_say_what_it_weighs() {
             (name: "crate", shape: Mesh(path: "crate.obj", recenter: true), pose: (at: (0, 0, 0.6))),
         ], effects: [Response(), Contacts(margin: 0)])"#,
     );
-    // What is no terminal gets warnings if it asks for them.
+    // Warnings of a run appear with --verbose where standard error is no terminal.
     for command in ["check", "run"] {
         let outcome = run(&[command, &scene, "--verbose"]);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");

@@ -2,10 +2,10 @@
 
 use plotters::prelude::*;
 
-use super::{NAMES, SIZE, Words, axes, floored};
+use super::{NAMES, SIZE, axes, floored};
 use crate::accuracy::figures::MethodFigures;
 use crate::accuracy::panel::Panel;
-use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, VERMILION, marks, svg};
+use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, VERMILION, Words, marks, svg};
 use crate::failure::Failure;
 
 /// Pixels of a name: of a letter, roughly, and of a line.

@@ -2,9 +2,11 @@
 
 use plotters::prelude::*;
 
-use super::{NAMES, SIZE, Words, axes, floored};
+use super::{NAMES, SIZE, axes, floored};
 use crate::accuracy::refinement::Rested;
-use crate::chart::{Area, BLUE, Failed, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, legend, svg};
+use crate::chart::{
+    Area, BLUE, Failed, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Words, legend, svg,
+};
 use crate::failure::Failure;
 
 const COLORS: [RGBColor; 7] = [SKY, BLUE, GREEN, ORANGE, VERMILION, PURPLE, GREY];
