@@ -1,5 +1,7 @@
 //! The one entry: from a question about a pair to its answer.
 
+use std::cmp::Ordering;
+
 use cranny_exact::{DVec3, Interval, Meeting, PoseError};
 use cranny_geometry::CreaseAngleError;
 use thiserror::Error;
@@ -13,10 +15,11 @@ use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
 use crate::pair::{Pair, PosedVertices, accepted};
 use crate::parting::Parting;
+use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
-use crate::regions::meeting_regions;
+use crate::regions::{is_closed, meeting_regions};
 use crate::surface::{FacePair, strongest};
 
 /// A question that cannot be answered.
@@ -87,6 +90,37 @@ pub fn query(
     if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
         tracks.follow([a, b], &mut found.regions);
     }
+    Ok(found)
+}
+
+/// How deep two solids overlap, a region each, the deepest first; without the curves, contacts and areas
+/// of [`Demand::Regions`]. Empty where they do not overlap, where one lies wholly inside the other,
+/// and where a surface is open.
+///
+/// # Errors
+///
+/// [`QueryError::Pose`] where a pose is none.
+pub fn penetrations(
+    a: Placed,
+    b: Placed,
+    memory: &mut PairMemory,
+) -> Result<Vec<Penetration>, QueryError> {
+    let [a, b] = accepted(a, b)?;
+    let PairMemory { posed, coherent, .. } = memory;
+    let pair = &Pair::of_accepted(a, b);
+    if !is_closed(pair) {
+        return Ok(Vec::new());
+    }
+    let mut counters = Counters::default();
+    coherent.begin(pair);
+    let pairs = coherent.meetings(pair, &mut counters);
+    let solid = coherent.solidity(pair, strongest(&pairs), &pairs, &mut counters).solid;
+    let mut found = match solid && !pairs.is_empty() {
+        true => overlaps(pair, posed, &pairs, &mut counters),
+        false => Vec::new(),
+    };
+    coherent.end(pair);
+    found.sort_by(|x, y| deepest_first(pair, &x.deepest, &y.deepest));
     Ok(found)
 }
 
@@ -176,12 +210,7 @@ fn answer(
         } else if margin > 0.0 {
             out.regions.extend(gaps(pair, margin, (coherent, kept), &mut counters));
         }
-        // Of equally deep ones the ids decide, in the pair's own order: not in that of A and B.
-        let key = |region: &Region| pair.ordered(region.deepest.id.0, region.deepest.id.1);
-        out.regions.sort_by(|x, y| {
-            let (this, that) = (x.deepest.separation, y.deepest.separation);
-            this.total_cmp(&that).then_with(|| key(x).cmp(&key(y)))
-        });
+        out.regions.sort_by(|x, y| deepest_first(pair, &x.deepest, &y.deepest));
         out.contacts = out.regions.iter().flat_map(|r| r.points.iter().copied()).collect();
         if let Some(depth) = out.regions.iter().filter_map(|r| r.depth).reduce(f64::max)
             && depth > 0.0
@@ -193,6 +222,12 @@ fn answer(
     counters.front_held = coherent.held();
     out.counters = counters;
     out
+}
+
+/// Of equally deep contacts the ids decide, in the pair's own order: not in that of A and B.
+fn deepest_first(pair: &Pair, x: &Contact, y: &Contact) -> Ordering {
+    let key = |contact: &Contact| pair.ordered(contact.id.0, contact.id.1);
+    x.separation.total_cmp(&y.separation).then_with(|| key(x).cmp(&key(y)))
 }
 
 /// How far apart surfaces need only be known to be.

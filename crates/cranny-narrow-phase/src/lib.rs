@@ -92,7 +92,7 @@ mod numbering;
 mod observe;
 mod pair;
 mod parting;
-
+mod penetration;
 mod per_model;
 mod pieces;
 mod pockets;
@@ -102,6 +102,7 @@ mod reduce;
 mod regions;
 mod search;
 mod smooth;
+mod special_position;
 mod surface;
 mod touch;
 mod tracks;
@@ -112,11 +113,12 @@ pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
 pub use approach::Approach;
-pub use evaluate::{QueryError, query};
+pub use evaluate::{QueryError, penetrations, query};
 pub use fields::Fields;
 pub use memory::PairMemory;
 pub use motion::drift;
 pub use observe::PairObserver;
+pub use penetration::Penetration;
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;

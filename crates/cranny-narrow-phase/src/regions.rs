@@ -9,45 +9,13 @@ use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
+use crate::penetration::{Outline, on_curve};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
-use crate::search::meeting_pairs;
+use crate::special_position::in_general_position;
 use crate::surface::FacePair;
 use crate::touch::touch_regions;
 use cranny_geometry::triangle_distance::Prepared;
-
-/// How far the second body is moved or grown to read the regions of a special position (faces
-/// flush, edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then
-/// off by as much. Smaller: rounding decides what is inside; larger: figures suffer.
-const NUDGE: f64 = 9.313_225_746_154_785e-10;
-
-/// Directions of the nudge: generic, so that no plane of a modelled part holds them.
-const NUDGES: [DVec3; 3] = [
-    DVec3::new(0.537, 0.681, 0.498),
-    DVec3::new(-0.613, 0.441, -0.656),
-    DVec3::new(0.701, -0.529, 0.478),
-];
-
-/// By how much a depth read beside a special position may be off, as a fraction of the pair's
-/// scale. Vertices move by no more than two nudges; a face that leans from the normal by up to 60
-/// degrees doubles that.
-const BESIDE_ERROR: f64 = 4.0 * NUDGE;
-
-/// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
-/// too little to bring faces back to the side from which they parted.
-const SHARE: f64 = 0.125;
-
-/// Below this ratio of enclosed area to perimeter squared, curves enclose nothing (a peg through a
-/// plate: the two rims cancel).
-const ENCLOSES_NOTHING: f64 = 1e-6;
-
-/// A region whose curves enclose at least this share of the area that they would if they were flat
-/// has one normal; others are read direction by direction.
-const FLAT: f64 = 0.9;
-
-/// The cosine of how far from a direction a face may look that stops what comes along it: 60
-/// degrees.
-const LOOKS_ALONG: f64 = 0.5;
 
 /// Vertices of a curved region that are measured at most; more are sampled evenly.
 const MAX_SAMPLES: usize = 256;
@@ -72,51 +40,17 @@ pub(crate) fn meeting_regions(
     if !is_closed(pair) {
         return (open_regions(pair, &here, pairs), rounding);
     }
-    if here.generic {
-        return (closed_regions(pair, &here), rounding);
-    }
-    let regions = regions_beside(pair, posed, counters);
-    match regions {
-        Some(regions) => (regions, rounding + BESIDE_ERROR * pair.scale()),
+    let depth = |region: &Region| region.depth.unwrap_or(0.0);
+    let (regions, error) = in_general_position(pair, posed, &here, counters, closed_regions, depth);
+    match regions.is_empty() {
+        false => (regions, error),
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
-        None => (outer_touch(pair, pairs), rounding),
+        true => (outer_touch(pair, pairs), rounding),
     }
 }
 
-fn is_closed(pair: &Pair) -> bool {
+pub(crate) fn is_closed(pair: &Pair) -> bool {
     Side::BOTH.iter().all(|&s| pair.model(s).is_closed())
-}
-
-/// The figures of a special position are those of a general one beside it.
-///
-/// Where faces are flush, the strip that they share belongs to one body's piece or the other's, as
-/// the bodies are moved, and tilts the normal if it is the wrong one. So the second body is once
-/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on
-/// one side does not count against one on the other. The smaller depth wins. Bodies that coincide
-/// part both ways; then a mere shift has to do.
-fn regions_beside(
-    pair: &Pair,
-    posed: &mut PosedVertices,
-    counters: &mut Counters,
-) -> Option<Vec<Region>> {
-    let step = NUDGE * pair.scale();
-    let mut read = |offset: DVec3, bulge: f64| {
-        let shifted = pair.shifted(offset, bulge, posed);
-        let pairs = meeting_pairs(&shifted, counters);
-        let beside = intersect(&shifted, &pairs);
-        let cuts_out = beside.generic && !beside.segments.is_empty();
-        cuts_out.then(|| closed_regions(&shifted, &beside))
-    };
-    let depth = |regions: &Vec<Region>| regions.iter().filter_map(|r| r.depth).fold(0.0, f64::max);
-    for direction in NUDGES {
-        let offset = direction * (step * SHARE);
-        let sized = [-step, step].into_iter().filter_map(|bulge| read(offset, bulge));
-        let least = sized.min_by(|x, y| depth(x).total_cmp(&depth(y)));
-        if least.is_some() {
-            return least;
-        }
-    }
-    NUDGES.into_iter().find_map(|direction| read(direction * step, 0.0))
 }
 
 fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
@@ -180,26 +114,15 @@ fn closed_region(
     cut: &RegionPieces,
 ) -> Region {
     let region = MeasuredRegion::of(pair, intersection, cut);
-    let shape = Shape::of(intersection, &cut.segments);
-    let normal = match shape.normal() {
-        Some(normal) => normal,
-        None => least_deep_direction(pair, &region),
-    };
-    let (deepest, mut contacts) = if shape.is_flat() || shape.normal().is_none() {
+    let outline = Outline::of(intersection, &cut.segments);
+    let normal = outline.direction(pair, &region);
+    let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
         let measured = depths_along(&region, normal);
         (measured.deepest, measured.all)
     } else {
         (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
     };
-    let rim = |n: usize| Contact {
-        id: intersection.nodes[n].features,
-        point_a: intersection.nodes[n].point,
-        point_b: intersection.nodes[n].point,
-        normal,
-        separation: 0.0,
-    };
-    let mut deepest =
-        deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
+    let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
@@ -217,87 +140,11 @@ fn closed_region(
         pair,
         normal,
         Some(-deepest.separation),
-        Some(shape.area_vector.dot(normal).abs()),
+        Some(outline.area_along(normal)),
         points,
         curves(pair, intersection, chains, &cut.segments),
         cut.segments.iter().map(|&s| intersection.segments[s].faces).collect(),
     )
-}
-
-/// What closed curves enclose.
-struct Shape {
-    area_vector: DVec3,
-    /// Sum of the areas of the triangles from a middle point to the segments, whatever their side.
-    fan_area: f64,
-    perimeter: f64,
-}
-
-impl Shape {
-    /// By Stokes, the area vector of the first body's piece is that of its border; the piece's
-    /// outward normals point from the first body into the second.
-    fn of(intersection: &Intersection, segments: &[usize]) -> Self {
-        let ends = |&s: &usize| intersection.segments[s].nodes.map(|n| intersection.nodes[n].point);
-        let middle = segments.iter().map(|s| ends(s)[0]).sum::<DVec3>() / segments.len() as f64;
-        let mut shape = Self { area_vector: DVec3::ZERO, fan_area: 0.0, perimeter: 0.0 };
-        for s in segments {
-            let [p, q] = ends(s);
-            let part = 0.5 * (p - middle).cross(q - middle);
-            shape.area_vector += part;
-            shape.fan_area += part.length();
-            shape.perimeter += (q - p).length();
-        }
-        shape
-    }
-
-    fn normal(&self) -> Option<DVec3> {
-        let area = self.area_vector.length();
-        (area > ENCLOSES_NOTHING * self.perimeter * self.perimeter).then(|| self.area_vector / area)
-    }
-
-    fn is_flat(&self) -> bool {
-        self.area_vector.length() >= FLAT * self.fan_area
-    }
-}
-
-/// Where the curves name no direction: of the pieces' own face normals, and the line between the
-/// bodies, the one along which the least translation parts them.
-fn least_deep_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
-    let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
-    let mut candidates: Vec<DVec3> = vec![centers.try_normalize().unwrap_or(DVec3::Z)];
-    for side in Side::BOTH {
-        let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let mut faces = region.cut.pieces[side.index()].faces.clone();
-        faces.sort_unstable();
-        let stride = faces.len().div_ceil(MAX_SAMPLES / 4).max(1);
-        for &f in faces.iter().step_by(stride) {
-            let n = sign * pair.normal(side, f);
-            if n != DVec3::ZERO && candidates.iter().all(|c| c.dot(n) < FLAT) {
-                candidates.push(n);
-            }
-        }
-    }
-    // How deep a piece is along a direction that none of its faces looks along, rays do not tell.
-    if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
-        candidates.retain(|&n| face_each_other(pair, region, n));
-    }
-    let mut best = (f64::INFINITY, candidates[0]);
-    for n in candidates {
-        if let Some(deepest) = deepest_along(region, n, best.0)
-            && -deepest.separation < best.0
-        {
-            best = (-deepest.separation, n);
-        }
-    }
-    best.1
-}
-
-/// Whether some face of the first body's piece looks along `n`, and some of the second's against
-/// it, within 60 degrees.
-fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
-    Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
-        let faces = &region.cut.pieces[side.index()].faces;
-        faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
-    })
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.

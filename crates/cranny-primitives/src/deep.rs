@@ -5,7 +5,7 @@
 //! is nearer to the far side of what it is stuck in, and the body is torn between ways. Wholly
 //! inside a solid it meets no surface at all. Then one direction holds for the whole body:
 //!
-//! - where surfaces meet, that of the region of contact ([`Region::normal`]), the direction of the
+//! - where surfaces meet, that of the region of contact ([`Penetration::normal`]), the direction of the
 //!   area that the curves enclose: it leads back where the body came in. Where a body overhangs it
 //!   is oblique, and not the shortest way;
 //! - wholly inside, that to the nearest point of the outer surface.
@@ -17,11 +17,12 @@
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{
-    Answer, Contact, Containment, Demand, Feature, PairMemory, QueryError, Region,
+    Answer, Contact, Containment, Demand, Feature, PairMemory, Penetration, QueryError,
+    penetrations,
 };
 
 use crate::percussion::percussion_centers;
-use crate::rounded::query_pair;
+use crate::rounded::{placed, query_pair};
 
 /// What overlaps by more than this share of the thinner body's thickness has one way out. Larger:
 /// a plate whose middle was passed is pulled through; smaller: curved contacts lose the normals of
@@ -74,23 +75,20 @@ pub fn way_out(
     if answer.contacts.iter().all(|c| -c.separation < deep) {
         return Ok(None);
     }
-    let queried;
-    let regions = if answer.regions.is_empty() {
-        queried = query_pair(models, pose, Demand::Regions { margin: 0.0 }, memory)?.regions;
-        &queried
-    } else {
-        &answer.regions
+    let [first, second] = placed(models, pose);
+    let overlaps = match answer.regions.is_empty() {
+        true => penetrations(first, second, memory)?,
+        false => answer.regions.iter().filter_map(Penetration::of).collect(),
     };
-    let depth = |region: &&Region| region.depth.unwrap_or(0.0);
-    let deepest = || regions.iter().filter(|r| depth(r) >= deep);
+    let deepest = || overlaps.iter().filter(|overlap| overlap.depth() >= deep);
     // Of ways that contradict each other, the shortest.
-    let Some(shortest) = deepest().min_by(|x, y| depth(x).total_cmp(&depth(y))) else {
+    let Some(shortest) = deepest().min_by(|x, y| x.depth().total_cmp(&y.depth())) else {
         return Ok(None);
     };
     let way = shortest.normal;
     let mut contacts: Vec<Contact> = deepest()
-        .filter(|region| region.normal.dot(way) >= ASIDE)
-        .flat_map(|region| out_of_a_region(models, pose, region, most))
+        .filter(|overlap| overlap.normal.dot(way) >= ASIDE)
+        .flat_map(|overlap| out_of_an_overlap(models, pose, overlap, most))
         .collect();
     // What touches elsewhere stays, unless it holds the body in.
     let shallow = answer.contacts.iter().filter(|c| -c.separation < deep);
@@ -99,13 +97,17 @@ pub fn way_out(
     Ok(Some(contacts))
 }
 
-/// The lesser body, along the region's normal.
-fn out_of_a_region(models: [&Model; 2], pose: &Pose, region: &Region, most: f64) -> [Contact; 3] {
+/// The lesser body, along the overlap's normal.
+fn out_of_an_overlap(
+    models: [&Model; 2],
+    pose: &Pose,
+    overlap: &Penetration,
+    most: f64,
+) -> [Contact; 3] {
     let volume = |model: &Model| model.mass_properties().map_or(0.0, |mass| mass.volume);
     let first = volume(models[0]) <= volume(models[1]);
-    let deepest = &region.deepest;
-    let depth = -deepest.separation;
-    led(models, pose, first, region.normal, deepest.point_a, depth.min(most))
+    let deepest = &overlap.deepest;
+    led(models, pose, first, overlap.normal, deepest.point_a, overlap.depth().min(most))
         .map(|lead| Contact { id: deepest.id, ..lead })
 }
 

@@ -82,7 +82,15 @@ pub(crate) fn query_pair(
     demand: Demand,
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
-    let a = Placed { model: models[0], pose: Pose::IDENTITY };
-    let b = Placed { model: models[1], pose: *first_from_second };
+    let [a, b] = placed(models, first_from_second);
     query(a, b, &Query::of(demand), memory)
+}
+
+/// Two models in the first one's frame.
+pub(crate) fn placed<'a>(models: [&'a Model; 2], first_from_second: &Pose) -> [Placed<'a>; 2] {
+    let [first, second] = models;
+    [
+        Placed { model: first, pose: Pose::IDENTITY },
+        Placed { model: second, pose: *first_from_second },
+    ]
 }

@@ -2,7 +2,7 @@
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Contact, Demand, Placed, Region};
+use cranny_narrow_phase::{Contact, Demand, PairMemory, Penetration, Placed, Region, penetrations};
 use cranny_shapes::{Cuboid, Cup, Sphere, Tetrahedron, Torus};
 use cranny_testkit::{Rng, world_triangles};
 
@@ -141,4 +141,71 @@ fn bodies_that_overlap_a_little_part_when_moved_by_the_depth_and_not_before() {
         tried += 1;
     }
     assert!(tried >= 90, "{tried}");
+}
+
+/// Overlaps alone, and those of regions: as many, along the same normals, as deep.
+fn assert_overlaps_are_those_of_regions(a: Placed, b: Placed, what: &str) -> usize {
+    let regions = ask(a, b, Demand::Regions { margin: 0.0 }).regions;
+    let mut of_regions: Vec<_> = regions.iter().filter_map(Penetration::of).collect();
+    of_regions.retain(|overlap| overlap.depth() > 0.0);
+    let mut alone = penetrations(a, b, &mut PairMemory::default()).unwrap();
+    alone.retain(|overlap| overlap.depth() > 0.0);
+    assert_eq!(alone.len(), of_regions.len(), "{what}");
+    let error = 1e-12 * (a.model.radius() + b.model.radius());
+    for known in &of_regions {
+        let same = |x: &Penetration| {
+            (x.depth() - known.depth()).abs() <= error && (x.normal - known.normal).length() < 1e-9
+        };
+        assert!(alone.iter().any(same), "{what}: {known:?} of {alone:?}");
+    }
+    let swapped = penetrations(b, a, &mut PairMemory::default()).unwrap();
+    let swapped = swapped.iter().filter(|overlap| overlap.depth() > 0.0);
+    for (one, other) in alone.iter().zip(swapped) {
+        let exchanged = Penetration { normal: -other.normal, deepest: other.deepest.swapped() };
+        assert_eq!(*one, exchanged, "{what}: exchanged");
+    }
+    alone.len()
+}
+
+#[test]
+fn overlaps_alone_are_those_of_regions() {
+    let bodies: Vec<Model> = [
+        shape(Cuboid { size: [1.0, 0.8, 0.6] }),
+        shape(Torus { major_segments: 16, minor_segments: 9, ..Torus::default() }),
+        shape(Cup { segments: 9, ..Cup::default() }),
+        shape(Sphere { segments: 12, ..Sphere::default() }),
+    ]
+    .into();
+    let mut rng = Rng::new(77);
+    let (mut found, mut several) = (0, 0);
+    for round in 0..120 {
+        let [a, b] = [0; 2].map(|_| &bodies[rng.below(bodies.len())]);
+        let offset = 0.9 * rng.unit().abs() * (a.radius() + b.radius());
+        let a = Placed { model: a, pose: random_pose(&mut rng, 0.1) };
+        let b = Placed { model: b, pose: random_pose(&mut rng, offset) };
+        let count = assert_overlaps_are_those_of_regions(a, b, &format!("round {round}"));
+        found += usize::from(count > 0);
+        several += usize::from(count > 1);
+    }
+    assert!(found > 40 && several > 4, "{found}, {several}");
+    // Special positions: faces flush.
+    for x in [0.125, 0.25, 0.5, 1.0, 1.5] {
+        let cube = |x| Placed { model: &bodies[0], pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
+        assert_overlaps_are_those_of_regions(cube(0.0), cube(x), &format!("cubes {x} apart"));
+    }
+}
+
+#[test]
+fn what_has_no_depth_has_no_overlaps() {
+    let cube = shape(Cuboid { size: [1.0; 3] });
+    let small = shape(Cuboid { size: [0.25; 3] });
+    let place = |model, x| Placed { model, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
+    for (b, what) in [
+        (place(&small, 0.1), "wholly inside"),
+        (place(&small, 0.625), "beside"),
+        (place(&small, 3.0), "far away"),
+    ] {
+        let found = penetrations(place(&cube, 0.0), b, &mut PairMemory::default()).unwrap();
+        assert!(found.is_empty(), "{what}: {found:?}");
+    }
 }

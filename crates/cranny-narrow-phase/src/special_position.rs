@@ -1,0 +1,71 @@
+//! Figures of pairs in special positions (faces flush, edges across edges, vertices in faces): they
+//! are read at a position beside, which is none.
+
+use cranny_exact::DVec3;
+
+use crate::answer::Counters;
+use crate::intersection::{Intersection, intersect};
+use crate::pair::{Pair, PosedVertices};
+use crate::search::meeting_pairs;
+
+/// How far the second body is moved or grown to read the regions of a special position (faces
+/// flush, edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then
+/// off by as much. Smaller: rounding decides what is inside; larger: figures suffer.
+const NUDGE: f64 = 9.313_225_746_154_785e-10;
+
+/// Directions of the nudge: generic, so that no plane of a modelled part holds them.
+const NUDGES: [DVec3; 3] = [
+    DVec3::new(0.537, 0.681, 0.498),
+    DVec3::new(-0.613, 0.441, -0.656),
+    DVec3::new(0.701, -0.529, 0.478),
+];
+
+/// By how much a depth read beside a special position may be off, as a fraction of the pair's
+/// scale. Vertices move by no more than two nudges; a face that leans from the normal by up to 60
+/// degrees doubles that.
+const BESIDE_ERROR: f64 = 4.0 * NUDGE;
+
+/// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
+/// too little to bring faces back to the side from which they parted.
+const SHARE: f64 = 0.125;
+
+/// What `read` finds at a pair's own position, or beside it where that is a special one, and by how
+/// much its depths may be off; `depth` is the depth of one of its results. Empty where nothing
+/// beside it overlaps: faces flush from inside, say.
+///
+/// Where faces are flush, the strip that they share belongs to one body's piece or the other's, as
+/// the bodies are moved, and tilts the normal if it is the wrong one. So the second body is once
+/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on
+/// one side does not count against one on the other. The smaller depth wins. Bodies that coincide
+/// part both ways; then a mere shift has to do.
+pub(crate) fn in_general_position<T>(
+    pair: &Pair,
+    posed: &mut PosedVertices,
+    here: &Intersection,
+    counters: &mut Counters,
+    read: impl Fn(&Pair, &Intersection) -> Vec<T>,
+    depth: impl Fn(&T) -> f64,
+) -> (Vec<T>, f64) {
+    let rounding = pair.length_error();
+    if here.generic {
+        return (read(pair, here), rounding);
+    }
+    let scale = pair.scale();
+    let step = NUDGE * scale;
+    let mut beside = |offset: DVec3, bulge: f64| {
+        let shifted = pair.shifted(offset, bulge, posed);
+        let pairs = meeting_pairs(&shifted, counters);
+        let there = intersect(&shifted, &pairs);
+        let cuts_out = there.generic && !there.segments.is_empty();
+        cuts_out.then(|| read(&shifted, &there))
+    };
+    let deepest = |found: &Vec<T>| found.iter().map(&depth).fold(0.0, f64::max);
+    let found = NUDGES.into_iter().find_map(|direction| {
+        let offset = direction * (step * SHARE);
+        let sized = [-step, step].into_iter().filter_map(|bulge| beside(offset, bulge));
+        sized.min_by(|x, y| deepest(x).total_cmp(&deepest(y)))
+    });
+    let found =
+        found.or_else(|| NUDGES.into_iter().find_map(|direction| beside(direction * step, 0.0)));
+    (found.unwrap_or_default(), rounding + BESIDE_ERROR * scale)
+}
