@@ -52,7 +52,8 @@ pub enum QueryError {
 
 /// Answers a question about two placed models.
 ///
-/// The answer does not depend on what `memory` holds; exchanging A and B exchanges the answer.
+/// The answer does not depend on what `memory` holds. Exchanging A and B exchanges the answer; of one
+/// model at one pose, twice, it leaves the question and so the answer as they are.
 /// Poses are taken as [`Pose::accepted`](cranny_exact::Pose::accepted) returns them: a quaternion
 /// that is a little off unit length is normalised, and the answer is the one for that pose.
 ///
