@@ -1,5 +1,7 @@
-//! Which effects a scene asks for, for which pairs, and why. CONTRIBUTING, 'An effect',
-//! says how to add one.
+//! Which effects a scene asks for, for which pairs, and why.
+//!
+//! To add one to Cranny: CONTRIBUTING, 'An effect'. An app's own needs a plugin alone:
+//! `examples/custom_effect.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,5 +1,6 @@
 //! The world: bodies by id, pairs by their boxes, and the step that answers what is asked.
-//! [`effects`] says what that is.
+//! [`effects`] says what that is. A pair begins when boxes overlap and is dropped when they part
+//! ([`World::update_pairs`]).
 
 mod effects;
 

@@ -44,7 +44,29 @@ pub(crate) struct Words {
     pub(crate) y: &'static str,
 }
 
-/// Logarithmic axes over ranges above 0; `mark` writes the numbers of the vertical one.
+/// A power of ten, twice or five times one; numbers between are not written beside an axis, where
+/// they would cover each other.
+pub(crate) fn is_round(x: f64) -> bool {
+    let leading = x / 10f64.powf((x.log10() + 1e-9).floor());
+    [1.0, 2.0, 5.0].iter().any(|round| (leading - round).abs() < 1e-6)
+}
+
+/// From a little below the power of ten below all values to a little above that above: numbers at
+/// the very ends are not written.
+pub(crate) fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (least, most) =
+        values.fold((f64::INFINITY, 0.0f64), |(least, most), x| (least.min(x), most.max(x)));
+    match least <= most && least > 0.0 {
+        true => {
+            let (low, high) = ((0.8 * least).log10().floor(), (1.25 * most).log10().ceil());
+            0.99 * 10f64.powf(low)..1.01 * 10f64.powf(high)
+        }
+        false => 1.0..10.0,
+    }
+}
+
+/// Logarithmic axes over ranges above 0; `mark` writes the numbers of the vertical one, where they
+/// are [round](is_round).
 ///
 /// # Errors
 ///
@@ -68,8 +90,8 @@ pub(crate) fn log_axes<'a, 'b>(
         .x_desc(words.x)
         .y_desc(words.y)
         .label_style(LABEL)
-        .x_label_formatter(&|x| format!("{x}"))
-        .y_label_formatter(&|y| mark(*y))
+        .x_label_formatter(&|x| if is_round(*x) { format!("{x}") } else { String::new() })
+        .y_label_formatter(&|y| if is_round(*y) { mark(*y) } else { String::new() })
         .draw()?;
     Ok(chart)
 }
@@ -135,4 +157,26 @@ fn column<S>(
         area.draw(&Text::new(name, (x + 24, y), style.clone()))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_run_from_power_to_power_and_name_round_numbers() {
+        for (values, low, high) in
+            [([0.236, 0.767], 0.1, 1.0), ([0.101, 9.5], 0.01, 100.0), ([2.0, 2.0], 1.0, 10.0)]
+        {
+            let Range { start, end } = decades(values.into_iter());
+            assert!(start < low && start > 0.9 * low && end > high && end < 1.1 * high);
+        }
+        assert_eq!(decades([].into_iter()), 1.0..10.0);
+        for x in [1.0, 0.1, 1e-3, 2e-2, 500.0, 1e6] {
+            assert!(is_round(x), "{x}");
+        }
+        for x in [3.0, 0.9, 7e-3, 1.5] {
+            assert!(!is_round(x), "{x}");
+        }
+    }
 }

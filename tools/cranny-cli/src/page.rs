@@ -68,6 +68,15 @@ impl Page {
         ));
     }
 
+    /// Words and what they mean.
+    pub(crate) fn glossary(&mut self, words: &[(&str, &str)]) {
+        let entry = |(word, meaning): &(&str, &str)| {
+            format!("<dt>{}</dt><dd>{}</dd>\n", escaped(word), escaped(meaning))
+        };
+        let entries: String = words.iter().map(entry).collect();
+        self.add(format_args!("<dl>\n{entries}</dl>"));
+    }
+
     /// The whole file.
     pub(crate) fn html(&self) -> String {
         let Self { title, body } = self;

@@ -2,7 +2,9 @@
 
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Contact, Region};
-use cranny_render::{Camera, Color, DrawList, Key, Label, Mark, Patch, Point, Ramp, palette};
+use cranny_render::{
+    Anchor, Camera, Color, DrawList, Key, Label, Line, Mark, Patch, Point, Ramp, palette,
+};
 
 use super::coats::Coats;
 use super::focus::{Focus, contacts, middle, mover_of};
@@ -79,7 +81,7 @@ impl Scales<'_> {
 pub(super) fn number(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_owned(),
-        a if (1e-3..1e4).contains(&a) => {
+        a if (1e-4..1e4).contains(&a) => {
             let digits = (2 - a.log10().floor() as i32).clamp(0, 6) as usize;
             let text = format!("{x:.digits$}");
             let tail = if text.contains('.') { text.trim_end_matches('0') } else { &text };
@@ -128,13 +130,7 @@ fn push_region(list: &mut DrawList, region: &Region) {
         let last = curve.closed.then(|| [curve.points.last(), curve.points.first()]);
         let last = last.and_then(|[a, b]| Some([*a?, *b?]));
         for [from, to] in ends.chain(last) {
-            let line = cranny_render::Line {
-                from,
-                to,
-                color: palette::OVERLAP,
-                width: [CURVE; 2],
-                on_top: true,
-            };
+            let line = Line { from, to, color: palette::OVERLAP, width: [CURVE; 2], on_top: true };
             list.lines.push(line);
         }
     }
@@ -163,8 +159,16 @@ fn push_arrow(list: &mut DrawList, pair: &MeetingPair, scales: &Scales<'_>, long
     list.push_arrow(from, to, palette::INK, SHAFT, true);
 }
 
+/// How far beside a contact its label stands, in parts of what the view reaches. Smaller: it covers
+/// what it measures; larger: it leaves narrow pictures.
+const BESIDE: f64 = 0.2;
+
+/// Cosine between the way to a label and the picture's right from which on the text goes on that
+/// way. Smaller: text beneath a contact runs over what leans; larger: it leaves narrow pictures.
+const SIDEWAYS: f64 = 0.5;
+
 /// Marks the contact that a close-up looks at: where, which way, how deep or how far apart.
-pub(super) fn contact_of_focus(list: &mut DrawList, focus: &Focus, radius: f64) {
+pub(super) fn contact_of_focus(list: &mut DrawList, focus: &Focus, camera: &Camera, radius: f64) {
     let Some(contact) = &focus.contact else { return };
     let (point, normal) = (focus.point, contact.normal);
     let color = if contact.separation > 0.0 { palette::GAP } else { palette::OVERLAP };
@@ -179,8 +183,19 @@ pub(super) fn contact_of_focus(list: &mut DrawList, focus: &Focus, radius: f64) 
         list.push_arrow(from, to + side * 0.03 * radius * normal, palette::INK, 1.6, true);
     }
     list.points.push(Point { position: point, color, radius: POINT, on_top: true });
-    let beside = point + 0.12 * radius * normal.cross(focus.plane);
-    list.labels.push(Label::new(beside, how_deep(contact)));
+    // Across the arrows, where neither they nor the surfaces' gap are.
+    let [right, up, _] = camera.axes();
+    let across = normal.cross(focus.plane).normalize_or(right);
+    let aside = if across.dot(right) < 0.0 { -across } else { across };
+    let anchor = match (aside.dot(right) > SIDEWAYS, aside.dot(up) > 0.0) {
+        (true, _) => Anchor::Right,
+        (false, true) => Anchor::Above,
+        (false, false) => Anchor::Below,
+    };
+    let at = point + BESIDE * radius * aside;
+    let (from, color) = (point + 0.2 * BESIDE * radius * aside, palette::INK.with_alpha(150));
+    list.lines.push(Line { from, to: at, color, width: [1.0; 2], on_top: true });
+    list.labels.push(Label { anchor, ..Label::new(at, how_deep(contact)) });
 }
 
 /// In words.
@@ -202,7 +217,7 @@ pub(super) fn ring(list: &mut DrawList, focus: &Focus, camera: &Camera) {
     for i in 0..48 {
         let (from, to) = (at(i), at(i + 1));
         let color = palette::INK.with_alpha(190);
-        list.lines.push(cranny_render::Line { from, to, color, width: [1.4; 2], on_top: true });
+        list.lines.push(Line { from, to, color, width: [1.4; 2], on_top: true });
     }
 }
 
@@ -212,7 +227,14 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_keep_three_digits() {
-        let pairs = [(0.0, "0"), (0.012_34, "0.0123"), (5.0, "5"), (1234.5, "1234"), (0.5, "0.5")];
+        let pairs = [
+            (0.0, "0"),
+            (0.012_34, "0.0123"),
+            (9.87e-4, "0.000987"),
+            (5.0, "5"),
+            (1234.5, "1234"),
+            (0.5, "0.5"),
+        ];
         for (x, text) in pairs {
             assert_eq!(number(x), text);
         }

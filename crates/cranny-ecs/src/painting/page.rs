@@ -64,8 +64,11 @@ impl ScenePainter {
             let image = image.map_err(|error| failed(error.to_string()))?;
             panels.push(Panel { image, title, scale: Some(scale(&camera, size)) });
         }
+        if focus.as_ref().is_some_and(|focus| focus.contact.is_some()) {
+            panels[1].title.insert_str(0, "the circle: ");
+        }
         let keys = self.keys(&moment, focus.as_ref());
-        let caption = vec![caption(&self.coats, &moment, nearest.as_ref())];
+        let caption = vec![caption(&self.coats, &moment, nearest.as_ref(), focus.as_ref())];
         self.focus = focus;
         let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
         sheet.compose().map_err(|error| failed(error.to_string()))
@@ -111,8 +114,8 @@ impl ScenePainter {
             let mut list = self.bodies(moment);
             list.section = focus.section();
             list.ground = None;
-            marks::contact_of_focus(&mut list, focus, radius);
             let camera = focus.camera(radius).map_err(|error| error.to_string())?;
+            marks::contact_of_focus(&mut list, focus, &camera, radius);
             views.push((list, camera, size, self.close_up_title(focus, radius)));
         }
         // A page keeps its size: where nothing is to be magnified, an empty picture.
@@ -131,7 +134,9 @@ impl ScenePainter {
             (&[a, b], Some(_)) if radius == focus.radius => {
                 format!("{} and {} cut open", name(a), name(b))
             }
-            (_, Some(_)) => format!("magnified {} x", number((focus.radius / radius).round())),
+            (_, Some(_)) => {
+                format!("its middle, magnified {} x", number((focus.radius / radius).round()))
+            }
             (bodies, None) => {
                 let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
                 format!("{} cut open; nothing is near", names.join(" and "))
@@ -160,8 +165,14 @@ fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 
-/// When, how many contacts, how deep; how near where nothing overlaps.
-fn caption(coats: &Coats, moment: &Moment, nearest: Option<&MeetingPair>) -> String {
+/// When, how many contacts, how deep; how near where nothing overlaps; and what is shown, where that
+/// is another contact.
+fn caption(
+    coats: &Coats,
+    moment: &Moment,
+    nearest: Option<&MeetingPair>,
+    focus: Option<&Focus>,
+) -> String {
     let points: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let count = match moment.pairs.len() {
@@ -171,15 +182,23 @@ fn caption(coats: &Coats, moment: &Moment, nearest: Option<&MeetingPair>) -> Str
     let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
     let all = || moment.pairs.iter().chain(nearest);
     let by_depth = all().max_by(|a, b| a.answer.depth().total_cmp(&b.answer.depth()));
-    let extreme = match by_depth.filter(|pair| pair.answer.depth() > 0.0) {
+    let by_gap = || all().min_by(|a, b| gap(a).total_cmp(&gap(b)));
+    let (extreme, length) = match by_depth.filter(|pair| pair.answer.depth() > 0.0) {
         Some(pair) => {
-            format!("; deepest: {}, {}", names(pair), number(pair.answer.depth()))
+            let depth = number(pair.answer.depth());
+            (format!("; deepest: {}, {depth}", names(pair)), depth)
         }
-        None => all().min_by(|a, b| gap(a).total_cmp(&gap(b))).map_or(String::new(), |pair| {
-            format!("; no overlap; nearest: {}, {} apart", names(pair), number(gap(pair).max(0.0)))
+        None => by_gap().map_or_else(Default::default, |pair| {
+            let gap = number(gap(pair).max(0.0));
+            (format!("; no overlap; nearest: {}, {gap} apart", names(pair)), gap)
         }),
     };
-    format!("t = {:.3} s; {count}{extreme}", moment.time)
+    let shown = focus.and_then(|focus| focus.contact.as_ref());
+    let shown = match shown.filter(|contact| number(contact.separation.abs()) != length) {
+        Some(contact) => format!("; shown: {}", marks::how_deep(contact)),
+        None => String::new(),
+    };
+    format!("t = {:.3} s; {count}{extreme}{shown}", moment.time)
 }
 
 fn gap(pair: &MeetingPair) -> f64 {

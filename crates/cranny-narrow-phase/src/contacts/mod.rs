@@ -1,7 +1,6 @@
 //! Contacts for a solver: for each pair of patches that come near, their nearest points.
 //!
-//! The contacts of a nut on its thread are found here ([`near_patches`]; the search begins in
-//! `list`).
+//! A nut's contacts on its bolt are found here ([`near_patches`]; the search begins in `list`).
 //!
 //! A solver needs few contacts, each with the normal of its own point, spread over what touches,
 //! and the same ones in the next step. So a pair of patches (`cranny_geometry::Patches`, pieces of

@@ -1,4 +1,5 @@
-//! What a scene file may say, as it says it.
+//! What a scene file may say, as it says it. [`parse`] reads it, `locate` gives errors their line
+//! and column.
 
 use std::collections::BTreeMap;
 use std::path::Path;

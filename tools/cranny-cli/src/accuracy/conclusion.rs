@@ -1,11 +1,13 @@
-//! What the figures say, in sentences.
+//! What the figures say: what ten times less error costs, and when convex pieces are the better
+//! choice.
 
 use super::chart::{percent, rounded};
 use super::figures::MethodFigures;
 use super::panel::Panel;
+use crate::compare::RunFigures;
 
-/// Errors that are looked for, as shares of a body's size: ten times smaller each.
-const LADDER: [f64; 3] = [1e-1, 1e-2, 1e-3];
+/// Errors of the ladder, as shares of a body's size: ten times less each.
+const LADDER: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 /// An error below this share of a body's size counts as none. Smaller: single precision, which
 /// parry computes in, counts as an error; larger: what misses a contact by a hair is called exact.
@@ -15,109 +17,204 @@ const NONE: f64 = 1e-5;
 /// choice, however quick.
 const MISJUDGED: f64 = 0.01;
 
-/// A method that is wrong about it at a larger part is none.
-const USELESS: f64 = 0.5;
-
 /// A kind of poses, in words, and its panel of a row.
-type NamedPanel = (&'static str, fn(&MethodFigures) -> &Panel);
+struct Kind {
+    place: &'static str,
+    of: fn(&MethodFigures) -> &Panel,
+}
 
-const PANELS: [NamedPanel; 2] =
-    [("where bodies are apart", |row| &row.apart), ("where they overlap", |row| &row.overlapping)];
+const KINDS: [Kind; 2] = [
+    Kind { place: "where bodies are apart", of: |row| &row.apart },
+    Kind { place: "where they overlap", of: |row| &row.overlapping },
+];
+
+const PIECES: &str = "parry-decomposition";
+
+/// Headings and rows.
+type Table = (Vec<String>, Vec<Vec<String>>);
 
 /// A paragraph for each kind of poses that there are.
 pub(super) fn paragraphs(all: &[MethodFigures]) -> Vec<String> {
-    PANELS.iter().filter_map(|kind| paragraph(all, kind)).collect()
+    KINDS.iter().filter_map(|kind| kind.paragraph(all)).collect()
 }
 
-fn paragraph(all: &[MethodFigures], (place, of): &NamedPanel) -> Option<String> {
-    let exact = quickest(all, *of, 0.0)?;
-    let mut sentences = vec![format!(
-        "{}, an exact answer takes {} us on average.",
-        capital(place),
-        micros(exact.us)
-    )];
-    sentences.extend(ladder(all, *of, exact));
-    for (name, method) in [
-        ("Parry's triangle mesh is", "parry-trimesh"),
-        ("Its convex pieces are", "parry-decomposition"),
-    ] {
-        let peer = all.iter().find(|row| row.name.method == method);
-        sentences.extend(peer.and_then(|row| beside(name, of(row), all, *of, exact)));
+/// What ten times less error costs: a row for each error, from the largest to none; two columns
+/// for each kind of poses that there are.
+pub(super) fn ladder(all: &[MethodFigures]) -> Table {
+    let mut headings = vec!["error at most".to_owned()];
+    let errors = LADDER.map(Some).into_iter().chain([None]);
+    let name = |error: Option<f64>| error.map_or("exact".to_owned(), percent);
+    let mut rows: Vec<Vec<String>> = errors.map(|error| vec![name(error)]).collect();
+    for kind in &KINDS {
+        let Some(steps) = kind.steps(all) else { continue };
+        let [_, place] = kind.place.split_once(' ').map_or([""; 2], |(a, b)| [a, b]);
+        headings.extend([format!("{place}: µs"), "times as long".to_owned()]);
+        let mut before: Option<f64> = None;
+        for (row, step) in rows.iter_mut().zip(steps) {
+            let factor = step.zip(before).map_or(String::new(), |(us, before)| factor(us / before));
+            row.extend([step.map_or("-".to_owned(), micros), factor]);
+            before = step;
+        }
     }
-    Some(sentences.join(" "))
+    (headings, rows)
 }
 
-/// A time and the error that it leaves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cost {
-    us: f64,
-    error: f64,
-}
-
-/// The least time in which a method of ours keeps within an error.
-fn quickest(all: &[MethodFigures], of: fn(&MethodFigures) -> &Panel, error: f64) -> Option<Cost> {
-    let costs = all.iter().filter(|row| row.name.is_ours()).filter_map(|row| cost(of(row)));
-    let enough = costs.filter(|cost| cost.error <= error.max(NONE));
-    enough.min_by(|x, y| x.us.total_cmp(&y.us))
-}
-
-fn cost(panel: &Panel) -> Option<Cost> {
-    Some(Cost { us: panel.mean_us?, error: panel.error? })
-}
-
-/// What ten times more error saves, step by step.
-fn ladder(all: &[MethodFigures], of: fn(&MethodFigures) -> &Panel, exact: Cost) -> Option<String> {
-    let steps = LADDER.map(|error| quickest(all, of, error).map(|cost| (error, cost.us)));
-    let mut steps: Vec<(f64, f64)> = steps.into_iter().flatten().collect();
-    // Of errors that take the same time, the least.
-    steps.reverse();
-    steps.dedup_by_key(|(_, us)| *us);
-    steps.reverse();
-    let cheaper: Vec<String> = steps
-        .into_iter()
-        .filter(|(_, us)| *us < 0.9 * exact.us)
-        .map(|(error, us)| format!("{} us within {}", micros(us), percent(error)))
-        .collect();
-    if cheaper.is_empty() {
-        return Some("No coarser answer of ours comes within 10 % for less.".to_owned());
+/// When convex pieces are the better choice, by these figures; `None` where they have none.
+pub(super) fn about_pieces(all: &[MethodFigures], runs: &[RunFigures]) -> Option<String> {
+    let pieces = all.iter().find(|row| row.name.method == PIECES && row.note.is_none())?;
+    let judged: Vec<(bool, String)> =
+        KINDS.iter().filter_map(|kind| kind.choice(all, pieces)).collect();
+    let of_kind = |is_better: bool| -> Vec<&str> {
+        judged.iter().filter(|(is, _)| *is == is_better).map(|(_, why)| &**why).collect()
+    };
+    let (better, worse) = (of_kind(true), of_kind(false));
+    let mut sentences = Vec::new();
+    if !better.is_empty() {
+        sentences.push(format!("Convex pieces are the better choice {}.", better.join("; and ")));
     }
-    Some(format!("Coarser ones take {} of the size of the smaller body.", cheaper.join(", ")))
+    if !worse.is_empty() {
+        sentences.push(format!("Convex pieces are not {}.", worse.join("; nor ")));
+    }
+    sentences.extend(in_motion(runs));
+    (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
-/// What a peer's answers cost, and what they are worth.
-fn beside(
-    name: &str,
-    peer: &Panel,
-    all: &[MethodFigures],
-    of: fn(&MethodFigures) -> &Panel,
-    exact: Cost,
-) -> Option<String> {
-    let cost = cost(peer)?;
-    let ratio = cost.us / exact.us;
-    let pace = match ratio {
+/// What a solver makes of convex pieces, beside ours.
+fn in_motion(runs: &[RunFigures]) -> Option<String> {
+    let of = |detector| runs.iter().find(|run| run.setting.detector == detector);
+    let (ours, pieces) = (of("cranny")?, of("rapier-decomposition")?);
+    let time = pieces.step_ms?.mean / ours.step_ms?.mean;
+    let mut words = format!(
+        "In the motion a step takes {} times ours, after {:.1} s of making the pieces",
+        times(time),
+        pieces.setting.prepared_s
+    );
+    let depth = |run: &RunFigures| run.deepest.as_ref().map_or(0.0, |deepest| deepest.depth);
+    words += &match (pieces.failure.is_some(), pieces.contained.is_some(), pieces.left.len()) {
+        (true, ..) => ", and does not come to its end".to_owned(),
+        (_, true, _) => ", and a body lies wholly within another".to_owned(),
+        (_, _, left) if left > ours.left.len() => format!(", and {left} bodies leave the world"),
+        _ if depth(ours) > 0.0 => {
+            format!(
+                ", and the deepest overlap is {} times ours",
+                times(depth(pieces) / depth(ours))
+            )
+        }
+        _ => String::new(),
+    };
+    Some(words + ".")
+}
+
+impl Kind {
+    fn paragraph(&self, all: &[MethodFigures]) -> Option<String> {
+        let exact = self.exact(all)?;
+        let mut sentences = vec![format!(
+            "{}, an exact answer takes {} µs on average.",
+            capital(self.place),
+            micros(exact)
+        )];
+        sentences.push(self.pace(all)?);
+        for (name, method) in
+            [("Parry's triangle mesh is", "parry-trimesh"), ("Its convex pieces are", PIECES)]
+        {
+            let peer = all.iter().find(|row| row.name.method == method);
+            sentences.extend(peer.and_then(|row| self.beside(name, row, exact)));
+        }
+        Some(sentences.join(" "))
+    }
+
+    /// The least mean time of an exact answer of ours, microseconds.
+    fn exact(&self, all: &[MethodFigures]) -> Option<f64> {
+        let exact = all.iter().filter(|row| row.name.is_exact());
+        exact.filter_map(|row| (self.of)(row).mean_us).min_by(f64::total_cmp)
+    }
+
+    /// The least time in which ours keeps within an error.
+    fn within(&self, all: &[MethodFigures], error: f64) -> Option<f64> {
+        let panels = all.iter().filter(|row| row.name.is_ours()).map(self.of);
+        let enough = panels.filter(|panel| panel.error.is_some_and(|found| found <= error));
+        enough.filter_map(|panel| panel.mean_us).min_by(f64::total_cmp)
+    }
+
+    /// Times by the errors of the ladder, the exact one last; `None` where there are no poses.
+    fn steps(&self, all: &[MethodFigures]) -> Option<Vec<Option<f64>>> {
+        let exact = self.exact(all)?;
+        let within = LADDER.map(|error| self.within(all, error));
+        Some(within.into_iter().chain([Some(exact)]).collect())
+    }
+
+    /// What ten times less error costs, in a sentence.
+    fn pace(&self, all: &[MethodFigures]) -> Option<String> {
+        let steps: Vec<f64> = self.steps(all)?.into_iter().flatten().collect();
+        let (first, last) = (*steps.first()?, *steps.last()?);
+        if first >= 0.9 * last {
+            return Some("No coarser answer of ours comes within 10 % for less.".to_owned());
+        }
+        let factors = || steps.windows(2).map(|pair| pair[1] / pair[0]);
+        let least = factors().fold(f64::INFINITY, f64::min);
+        let most = factors().fold(0.0, f64::max);
+        Some(format!(
+            "One within 10 % of the size of the smaller body takes {} µs, and each tenth of the \
+             error {} to {} times as long.",
+            micros(first),
+            times(least),
+            times(most)
+        ))
+    }
+
+    /// What a peer's answers cost, and what they are worth.
+    fn beside(&self, name: &str, row: &MethodFigures, exact: f64) -> Option<String> {
+        let peer = (self.of)(row);
+        let (us, error) = (peer.mean_us?, peer.error?);
+        let off = match error <= NONE {
+            true => "nearly exact".to_owned(),
+            false => format!("off by {} of the size", percent(error)),
+        };
+        let wrong = match peer.wrong {
+            0 => String::new(),
+            wrong => {
+                format!(", but wrong about whether bodies meet at {wrong} of {} poses", peer.poses)
+            }
+        };
+        Some(format!("{name} {} and {off} on average{wrong}.", pace(us / exact)))
+    }
+
+    /// Whether a peer is the better choice, and why.
+    fn choice(&self, all: &[MethodFigures], row: &MethodFigures) -> Option<(bool, String)> {
+        let peer = (self.of)(row);
+        let (us, error) = (peer.mean_us?, peer.error?);
+        let exact = self.exact(all)?;
+        let place = self.place;
+        if peer.wrong as f64 > MISJUDGED * peer.poses as f64 {
+            let (wrong, poses) = (peer.wrong, peer.poses);
+            let why = format!(
+                "{place}: they are wrong about whether bodies meet at {wrong} of {poses} poses"
+            );
+            return Some((false, why));
+        }
+        let ours = self.within(all, error.max(NONE)).unwrap_or(exact);
+        let why = match (us < ours, error <= NONE) {
+            (true, true) => format!("{place}: {}", pace(us / ours)),
+            (true, false) => {
+                format!("{place} and {} is good enough: {}", percent(error), pace(us / ours))
+            }
+            (false, _) => format!("{place}: ours is as good in {} µs", micros(ours)),
+        };
+        Some((us < ours, why))
+    }
+}
+
+/// How many times faster or slower something is that takes so many times as long.
+fn pace(ratio: f64) -> String {
+    match ratio {
         r if r > 1.1 => format!("{} times slower", times(r)),
         r if r < 0.9 => format!("{} times faster", times(1.0 / r)),
         _ => "as fast".to_owned(),
-    };
-    let mut words = format!("{name} {pace}");
-    words += &match cost.error {
-        error if error <= NONE => " and as exact".to_owned(),
-        error => format!(" and off by {} of the size on average", percent(error)),
-    };
-    if peer.wrong > 0 {
-        words +=
-            &format!(", and wrong about whether they meet at {} of {}", peer.wrong, peer.poses);
     }
-    let matched = quickest(all, of, cost.error);
-    let wins = cost.us < matched.map_or(f64::INFINITY, |ours| ours.us);
-    let misjudged = peer.wrong as f64 / peer.poses.max(1) as f64;
-    words += match (wins && misjudged <= MISJUDGED, cost.error <= NONE) {
-        (true, true) => ": the better choice here.",
-        (true, false) => ": the better choice where that is good enough.",
-        (false, _) if misjudged > USELESS => ": no choice here.",
-        (false, _) => ".",
-    };
-    Some(words)
+}
+
+fn factor(ratio: f64) -> String {
+    if ratio < 1.05 { "as long".to_owned() } else { format!("x {}", times(ratio)) }
 }
 
 fn capital(words: &str) -> String {
@@ -125,14 +222,19 @@ fn capital(words: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// Microseconds, to two digits.
 fn micros(us: f64) -> String {
     let us = rounded(us);
-    if us >= 10.0 { format!("{us:.0}") } else { format!("{us:.2}") }
+    if us >= 10.0 { format!("{us:.0}") } else { format!("{us:.1}") }
 }
 
 fn times(ratio: f64) -> String {
     let ratio = rounded(ratio);
-    if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
+    match ratio {
+        r if r >= 10.0 => format!("{r:.0}"),
+        r if r >= 1.0 => format!("{r:.1}"),
+        r => format!("{r}"),
+    }
 }
 
 #[cfg(test)]
@@ -140,54 +242,89 @@ mod tests {
     use super::*;
     use crate::accuracy::method::Name;
 
-    fn row(method: &'static str, us: f64, error: f64) -> MethodFigures {
-        let level = (method == "cranny").then(|| "tree:4".to_owned());
+    fn row(method: &'static str, level: &str, us: f64, error: f64) -> MethodFigures {
+        let level = (method == "cranny").then(|| level.to_owned());
         let name = Name { level, ..Name::of_peer(method) };
         let (mean_us, error) = (Some(us), Some(error));
-        let apart = Panel { poses: 700, mean_us, error, wrong: 2, ..Panel::default() };
+        let apart = Panel { poses: 700, mean_us, error, ..Panel::default() };
         MethodFigures { apart, ..MethodFigures::none(name, String::new()) }
     }
 
-    #[test]
-    fn what_a_tenth_of_the_error_costs_is_said() {
-        let all = [row("cranny", 1.0, 0.09), row("cranny", 3.0, 0.005), row("cranny", 12.0, 1e-9)];
-        let [said] = &paragraphs(&all)[..] else { panic!("one kind") };
-        assert_eq!(
-            said,
-            "Where bodies are apart, an exact answer takes 12 us on average. Coarser ones take \
-             1.00 us within 10 %, 3.00 us within 1 % of the size of the smaller body."
-        );
-        let same = [row("cranny", 1.0, 0.0005), row("cranny", 12.0, 0.0)];
-        let said = paragraphs(&same).remove(0);
-        assert!(
-            said.ends_with(
-                "Coarser ones take 1.00 us within 0.1 % of the size of the smaller body."
-            ),
-            "{said}"
-        );
-        let said = paragraphs(&[row("cranny", 1.0, 0.0), row("cranny", 3.0, 0.5)]).remove(0);
-        assert!(said.ends_with("comes within 10 % for less."), "{said}");
-        assert!(paragraphs(&[]).is_empty());
+    fn peer(method: &'static str, us: f64, error: f64, wrong: usize) -> MethodFigures {
+        let mut row = row(method, "", us, error);
+        row.apart.wrong = wrong;
+        row.note = None;
+        row
+    }
+
+    fn ours() -> Vec<MethodFigures> {
+        [("boxes", 1.0, 0.09), ("tree:4", 3.0, 0.005), ("exact", 12.0, 0.0)]
+            .map(|(level, us, error)| row("cranny", level, us, error))
+            .to_vec()
     }
 
     #[test]
-    fn a_peer_is_the_better_choice_where_it_is_quicker_at_its_error() {
-        let ours = [row("cranny", 1.0, 0.5), row("cranny", 12.0, 0.0)];
-        let beside = |peer| paragraphs(&[&ours[..], &[peer]].concat()).remove(0);
-        let quick = beside(row("parry-decomposition", 3.0, 0.012));
-        let said = "Its convex pieces are 4.0 times faster and off by 1.2 % of the size on \
-                    average, and wrong about whether they meet at 2 of 700: the better choice where \
-                    that is good enough.";
-        assert!(quick.ends_with(said), "{quick}");
-        let slow = beside(row("parry-trimesh", 24.0, 1e-8));
-        assert!(slow.contains("2.0 times slower and as exact, and wrong"), "{slow}");
-        assert!(!slow.contains("better choice"), "{slow}");
-        let mut misjudging = row("parry-decomposition", 3.0, 0.012);
-        misjudging.apart.wrong = 8;
-        assert!(beside(misjudging.clone()).ends_with("at 8 of 700."));
-        misjudging.apart.wrong = 700;
-        assert!(beside(misjudging).ends_with("at 700 of 700: no choice here."));
-        // Its error is one that ours reaches sooner.
-        assert!(!beside(row("parry-trimesh", 2.0, 0.6)).contains("better choice"));
+    fn what_a_tenth_of_the_error_costs_is_a_table_and_a_sentence() {
+        let (headings, rows) = ladder(&ours());
+        assert_eq!(headings, ["error at most", "bodies are apart: µs", "times as long"]);
+        let rows: Vec<String> = rows.iter().map(|row| row.join(" | ")).collect();
+        assert_eq!(
+            rows,
+            [
+                "10 % | 1.0 | ",
+                "1 % | 3.0 | x 3.0",
+                "0.1 % | 12 | x 4.0",
+                "0.01 % | 12 | as long",
+                "exact | 12 | as long"
+            ]
+        );
+        let [said] = &paragraphs(&ours())[..] else { panic!("one kind") };
+        assert_eq!(
+            said,
+            "Where bodies are apart, an exact answer takes 12 µs on average. One within 10 % of \
+             the size of the smaller body takes 1.0 µs, and each tenth of the error 1.0 to 4.0 \
+             times as long."
+        );
+        let all = [row("cranny", "exact", 1.0, 0.0), row("cranny", "boxes", 3.0, 0.5)];
+        assert!(paragraphs(&all)[0].ends_with("comes within 10 % for less."));
+        assert!(paragraphs(&[]).is_empty());
+        assert_eq!(ladder(&[]).0, ["error at most"]);
+    }
+
+    /// A budget may have sufficed at all poses: it is quick there, and promises nothing.
+    #[test]
+    fn exact_is_what_promises_to_be() {
+        let mut lucky = row("cranny", "exact", 2.0, 0.0);
+        lucky.name.budget = Some(100);
+        let all = [ours(), vec![lucky]].concat();
+        assert!(paragraphs(&all)[0].contains("an exact answer takes 12 µs"));
+        assert_eq!(ladder(&all).1[4][1], "12");
+    }
+
+    #[test]
+    fn a_peer_that_misjudges_is_not_called_exact_alone() {
+        let mesh = peer("parry-trimesh", 24.0, 1e-8, 3);
+        let said = paragraphs(&[ours(), vec![mesh]].concat()).remove(0);
+        let words = "Parry's triangle mesh is 2.0 times slower and nearly exact on average, but \
+                     wrong about whether bodies meet at 3 of 700 poses.";
+        assert!(said.ends_with(words), "{said}");
+    }
+
+    #[test]
+    fn pieces_are_the_better_choice_where_they_are_quicker_at_their_error_and_right() {
+        let about = |pieces| about_pieces(&[ours(), vec![pieces]].concat(), &[]);
+        let said = about(peer(PIECES, 2.0, 0.005, 0)).unwrap();
+        assert_eq!(
+            said,
+            "Convex pieces are the better choice where bodies are apart and 0.5 % is good enough: \
+             1.5 times faster."
+        );
+        let said = about(peer(PIECES, 3.0, 1e-8, 2)).unwrap();
+        assert!(said.ends_with("choice where bodies are apart: 4.0 times faster."), "{said}");
+        let said = about(peer(PIECES, 2.0, 0.1, 0)).unwrap();
+        assert!(said.ends_with("not where bodies are apart: ours is as good in 1.0 µs."), "{said}");
+        let said = about(peer(PIECES, 1.0, 0.005, 8)).unwrap();
+        assert!(said.ends_with("wrong about whether bodies meet at 8 of 700 poses."), "{said}");
+        assert_eq!(about_pieces(&ours(), &[]), None);
     }
 }

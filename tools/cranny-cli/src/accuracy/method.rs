@@ -80,6 +80,11 @@ impl Name {
         self.is_ours() && self.budget.is_none() && self.deadline_us.is_none()
     }
 
+    /// The exact answer, however long it takes.
+    pub(super) fn is_exact(&self) -> bool {
+        self.is_level() && self.level.as_deref() == Some("exact")
+    }
+
     /// Names of the cells of [`csv`](Self::csv).
     pub(super) const COLUMNS: &'static str = "method,level,budget,deadline_us,memory";
 
@@ -93,7 +98,7 @@ impl Name {
     pub(super) fn label(&self) -> String {
         match (&self.level, self.budget, self.deadline_us) {
             (_, Some(budget), _) => format!("{budget} tests"),
-            (_, _, Some(deadline)) => format!("{deadline} us"),
+            (_, _, Some(deadline)) => format!("{deadline} µs"),
             (Some(level), None, None) => level.clone(),
             (None, None, None) => self.method.to_owned(),
         }

@@ -8,7 +8,7 @@ use cranny_scene::LoadedScene;
 use cranny_world::description::Effect;
 
 use super::chart::percent;
-use super::conclusion::paragraphs;
+use super::conclusion::{about_pieces, ladder, paragraphs};
 use super::figures::MethodFigures;
 use super::motion::{Judged, Motion};
 use super::panel::Panel;
@@ -125,13 +125,21 @@ pub(super) fn page(
         Err(why) => page.paragraph(why),
     }
     paragraphs(all).iter().for_each(|words| page.emphasis(words));
+    about_pieces(all, &shown.runs).iter().for_each(|words| page.emphasis(words));
+    page.heading("What ten times less error costs");
+    let (headings, rows) = ladder(all);
+    page.table(&headings, &rows);
+    page.paragraph(
+        "The least time in which ours keeps within an error on average, by level or by budget; \
+         errors are shares of the size of the smaller body.",
+    );
+    page.heading("Time against error");
     page.drawing(
         chart,
-        "Lower is more exact, farther left is quicker. Blue, red and orange lines bound the answer: \
-         the error is the width of the interval that certainly holds it. Parry gives no bounds: its \
-         error is how far it is off. Where bodies overlap, ours answers with whole regions: curves, \
-         area, depth. Filled dots keep memory from pose to pose; parry begins anew at each, \
-         without the manifolds that rapier would keep.",
+        "Lower is more exact, farther left is quicker. Ours bound the answer: the error is the width \
+         of the interval that certainly holds it. Parry gives no bounds: its error is how far it is \
+         off. Where bodies overlap, ours answers with whole regions: curves, area, depth. Parry \
+         begins anew at each pose, without the manifolds that rapier would keep.",
     );
     if !shown.runs.is_empty() {
         motion(&mut page, &shown.runs)?;
@@ -143,6 +151,8 @@ pub(super) fn page(
     all.iter()
         .filter_map(|row| Some((row.name.label(), row.note.as_ref()?)))
         .for_each(|(name, note)| page.paragraph(&format!("{name} has no figures: {note}")));
+    page.heading("Words");
+    page.glossary(&WORDS);
     page.heading("To do it again");
     page.command(&shown.command);
     page.paragraph(
@@ -151,6 +161,38 @@ pub(super) fn page(
     );
     Ok(page.html())
 }
+
+/// Words of the tables and drawings.
+const WORDS: [(&str, &str); 9] = [
+    ("exact", "what the triangles really make, decided without tolerance"),
+    (
+        "boxes, hulls, caps, tree:N",
+        "levels of ours: each body is answered for by its box, by its convex hull, by its hull and \
+         the faces on it, or by a tree of boxes down to depth N; the answer is an interval",
+    ),
+    (
+        "N tests, N µs",
+        "budgets of ours: the exact search, ended after so many elementary tests or microseconds; \
+         the answer is an interval",
+    ),
+    ("warm, cold", "with what was kept from the pose before, and without"),
+    (
+        "error",
+        "how far any length that the answer allows is from the true one, mean over the poses",
+    ),
+    ("wrong", "poses at which a method says that bodies meet which do not, or the other way round"),
+    ("open", "poses at which the interval leaves open whether they meet"),
+    (
+        "parry-trimesh, parry-decomposition",
+        "Parry's triangle mesh, and its convex pieces; rapier-trimesh and rapier-decomposition are \
+         the same in rapier, and rapier-trimesh-fixed corrects normals at inner edges",
+    ),
+    (
+        "ready, carried",
+        "seconds until the first step; percentage of pairs whose contacts went on from the step \
+         before without a search",
+    ),
+];
 
 fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
     page.heading("What it does to the motion");
@@ -188,12 +230,12 @@ fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
     let headings = [
         "method",
         "memory",
-        "apart: us",
-        "error",
+        "apart: µs",
+        "apart: error",
         "wrong",
         "open",
-        "overlap: us",
-        "error",
+        "overlap: µs",
+        "overlap: error",
         "wrong",
         "open",
     ];

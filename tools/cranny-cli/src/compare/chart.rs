@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::figures::{RunFigures, StepTimes};
 use crate::chart::{
     Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, Words, YELLOW,
-    legend, log_axes, svg,
+    decades, legend, log_axes, svg,
 };
 use crate::failure::Failure;
 
@@ -56,17 +56,14 @@ pub(crate) fn outcome(rows: &[RunFigures]) -> Result<Option<String>, Failure> {
 }
 
 fn draw_outcome(area: &Area<'_>, marks: &[(String, (f64, f64))]) -> Result<(), Failed> {
-    let span = |of: fn(&(f64, f64)) -> f64, less: f64, more: f64| {
-        let values = || marks.iter().map(|(_, at)| of(at));
-        less * values().fold(f64::MAX, f64::min)..more * values().fold(0.0, f64::max)
-    };
-    let (xs, ys) = (span(|at| at.0, 0.5, 6.0), span(|at| at.1, 0.4, 3.0));
+    let (xs, ys) =
+        (decades(marks.iter().map(|(_, at)| at.0)), decades(marks.iter().map(|(_, at)| at.1)));
     let words = Words {
         caption: "Deepest overlap by the time of a step",
         x: "mean time of a step, milliseconds",
         y: "deepest overlap, units of the scene",
     };
-    let mut chart = log_axes(area, (xs, ys), &words, |depth| format!("{depth:.0e}"))?;
+    let mut chart = log_axes(area, (xs, ys), &words, |depth| format!("{depth}"))?;
     for ((name, at), color) in marks.iter().zip(COLORS.into_iter().cycle()) {
         let text = Text::new(name.clone(), (9, -7), ("sans-serif", 14).into_font().color(&color));
         let mark = EmptyElement::at(*at) + Circle::new((0, 0), 5, color.filled()) + text;

@@ -27,25 +27,25 @@ impl StepTimes {
 /// With what a row was run.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Setting {
-    pub(super) detector: &'static str,
+    pub(crate) detector: &'static str,
     /// Whether rapier kept contacts while pairs drifted a little.
     pub(super) recycling: bool,
     /// Of the solver, a step.
     pub(super) substeps: usize,
     /// Until the first step; the exact models by which all are judged are part of it for each.
-    pub(super) prepared_s: f64,
+    pub(crate) prepared_s: f64,
 }
 
 /// A row.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RunFigures {
     #[serde(flatten)]
-    pub(super) setting: Setting,
+    pub(crate) setting: Setting,
     pub(super) steps: usize,
     pub(super) dt: Option<f64>,
     /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a
     /// step.
-    pub(super) step_ms: Option<Spread>,
+    pub(crate) step_ms: Option<Spread>,
     /// Means.
     pub(super) broad_ms: Option<f64>,
     pub(super) narrow_ms: Option<f64>,
@@ -53,20 +53,20 @@ pub(crate) struct RunFigures {
     pub(super) contacts: Option<CountSummary>,
     /// Of the pairs that our detector answered about, the part whose contacts were carried on.
     pub(super) carried_share: Option<f64>,
-    pub(super) deepest: Option<DeepestSummary>,
+    pub(crate) deepest: Option<DeepestSummary>,
     /// Bodies wholly within others, whose depth nothing gives.
-    pub(super) contained: Option<ContainedSummary>,
+    pub(crate) contained: Option<ContainedSummary>,
     pub(super) energy: Option<EnergySummary>,
     /// The greatest gain of energy over the start, relative to its scale.
     pub(super) energy_drift: Option<f64>,
     /// Bodies that left the world.
-    pub(super) left: Vec<LeftSummary>,
+    pub(crate) left: Vec<LeftSummary>,
     pub(super) links: Option<LinkSummary>,
     pub(super) helices: Vec<HelixSummary>,
     pub(super) state_hash: Option<String>,
     pub(super) interrupted: bool,
     /// Why it did not come to the end.
-    pub(super) failure: Option<String>,
+    pub(crate) failure: Option<String>,
     #[serde(skip)]
     pub(super) times: Vec<StepTimes>,
 }
@@ -74,7 +74,7 @@ pub(crate) struct RunFigures {
 /// How values spread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Spread {
-    pub(super) mean: f64,
+    pub(crate) mean: f64,
     pub(super) median: f64,
     pub(super) p99: f64,
     pub(super) max: f64,
@@ -234,10 +234,15 @@ const HEADINGS: [[&str; 2]; 19] = [
     ["", "off helix"],
 ];
 
-/// Headings and rows of the columns that have a value in some row.
+/// Columns that a page leaves out: it has no room for numbers of steps, of substeps, and for the
+/// parts of a step.
+const NOT_ON_PAGES: [usize; 5] = [2, 3, 6, 7, 8];
+
+/// Headings and rows of the columns that a page shows: those that have a value in some row.
 pub(crate) fn columns(rows: &[RunFigures]) -> (Vec<String>, Vec<Vec<String>>) {
     let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
-    let shown = shown(&cells);
+    let mut shown = shown(&cells);
+    shown.retain(|column| !NOT_ON_PAGES.contains(column));
     let heading = |&column: &usize| HEADINGS[column].join(" ").trim().replace("- ", "");
     let of_row = |row: &Vec<String>| shown.iter().map(|&column| row[column].clone()).collect();
     (shown.iter().map(heading).collect(), cells.iter().map(of_row).collect())

@@ -247,6 +247,9 @@ fn the_page_needs_no_other_file_and_says_what_follows() {
         "cranny accuracy cup.obj ball.obj --poses poses.json --out DIR",
         "</svg>",
         "There are 24 poses of 1 pair: ",
+        "What ten times less error costs",
+        "Convex pieces are ",
+        "<dt>warm, cold</dt>",
     ] {
         let plain = word.replace("&#39;", "'");
         assert!(html.contains(word) || html.contains(&plain), "{word}");
@@ -255,7 +258,8 @@ fn the_page_needs_no_other_file_and_says_what_follows() {
         assert!(!html.contains(outside), "{outside}");
     }
     // No page for what could not be measured.
-    assert_eq!(html.matches("<tr>").count(), 1 + scene.rows().len());
+    let ladder = 1 + 5;
+    assert_eq!(html.matches("<tr>").count(), ladder + 1 + scene.rows().len());
 }
 
 /// A ball that falls onto a floor: pairs and poses come from the run.

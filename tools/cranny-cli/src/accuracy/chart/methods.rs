@@ -5,12 +5,15 @@ use plotters::prelude::*;
 use super::{NAMES, SIZE, axes, floored};
 use crate::accuracy::figures::MethodFigures;
 use crate::accuracy::panel::Panel;
-use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, VERMILION, Words, marks, svg};
+use crate::chart::{Area, BLUE, Failed, ORANGE, PURPLE, SKY, VERMILION, Words, marks, svg};
 use crate::failure::Failure;
 
 /// Pixels of a name: of a letter, roughly, and of a line.
 const LETTER: i32 = 7;
 const LINE: i32 = 13;
+
+/// Pixels from a dot's middle to its rim.
+const DOT: i32 = 4;
 
 /// A point that is no better than this share of the error of a quicker one is left out: a line
 /// shows what more time buys.
@@ -26,7 +29,7 @@ const CHARTS: [PanelChart; 2] = [
     PanelChart {
         words: Words {
             caption: "Bodies apart: their distance",
-            x: "mean time of a pose, microseconds",
+            x: "mean time of a pose, µs",
             y: "error / size of the smaller body",
         },
         of: |row| &row.apart,
@@ -34,7 +37,7 @@ const CHARTS: [PanelChart; 2] = [
     PanelChart {
         words: Words {
             caption: "Bodies that overlap: how deep",
-            x: "mean time of a pose, microseconds",
+            x: "mean time of a pose, µs",
             y: "error / size of the smaller body",
         },
         of: |row| &row.overlapping,
@@ -50,6 +53,7 @@ struct MethodLine {
     belongs: fn(&MethodFigures) -> bool,
 }
 
+// The colours of parry are those of its detectors in `compare`.
 const LINES: [MethodLine; 8] = [
     MethodLine {
         name: "levels, warm",
@@ -65,13 +69,13 @@ const LINES: [MethodLine; 8] = [
     },
     MethodLine {
         name: "budgets of tests, warm",
-        color: VERMILION,
+        color: SKY,
         filled: true,
         belongs: |row| row.name.budget.is_some() && row.name.is_warm(),
     },
     MethodLine {
         name: "budgets of tests, cold",
-        color: VERMILION,
+        color: SKY,
         filled: false,
         belongs: |row| row.name.budget.is_some() && !row.name.is_warm(),
     },
@@ -89,7 +93,7 @@ const LINES: [MethodLine; 8] = [
     },
     MethodLine {
         name: "parry, triangle mesh",
-        color: GREEN,
+        color: VERMILION,
         filled: true,
         belongs: |row| row.name.method == "parry-trimesh",
     },
@@ -131,6 +135,10 @@ struct Room {
 }
 
 impl Room {
+    fn of_dot((x, y): (i32, i32)) -> Self {
+        Self { left: x - DOT, top: y - LINE / 2, width: 2 * DOT }
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
         let beside = self.left + self.width <= other.left || other.left + other.width <= self.left;
         !beside && (self.top - other.top).abs() < LINE
@@ -178,13 +186,18 @@ fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &PanelChart) -> Resul
         LINES.iter().map(|line| (line, front(all, line, kind))).collect();
     let times = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1.0));
     let mut chart = axes(area, times, &kind.words)?;
-    let mut taken: Vec<Room> = Vec::new();
+    // Names keep clear of all dots.
+    let dots = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1));
+    let mut taken: Vec<Room> = dots.map(|at| Room::of_dot(chart.backend_coord(&at))).collect();
     for (line, spots) in &fronts {
-        chart.draw_series(LineSeries::new(
-            spots.iter().map(|spot| spot.1),
-            line.color.mix(if line.filled { 0.9 } else { 0.4 }).stroke_width(2),
-        ))?;
-        chart.draw_series(spots.iter().map(|(_, at)| Circle::new(*at, 4, dot(line))))?;
+        for ends in spots.windows(2) {
+            // Nothing lies between an error and none: there the line is a hint.
+            let is_hint = floored(0.0) == ends[1].1.1;
+            let strength = if line.filled { 0.9 } else { 0.4 } * if is_hint { 0.3 } else { 1.0 };
+            let style = line.color.mix(strength).stroke_width(if is_hint { 1 } else { 2 });
+            chart.draw_series(LineSeries::new(ends.iter().map(|spot| spot.1), style))?;
+        }
+        chart.draw_series(spots.iter().map(|(_, at)| Circle::new(*at, DOT, dot(line))))?;
         // Where there is no room a dot has no name; those of cold lines are called as the warm are.
         let text = ("sans-serif", 13).into_font().color(&line.color);
         for (row, at) in spots.iter().filter(|(row, _)| line.filled && row.name.is_ours()) {
