@@ -52,8 +52,9 @@ pub enum QueryError {
 
 /// Answers a question about two placed models.
 ///
-/// The answer does not depend on what `memory` holds. Exchanging A and B exchanges the answer; of one
-/// model at one pose, twice, it leaves the question and so the answer as they are.
+/// The answer does not depend on what `memory` holds. Exchanging A and B exchanges the answer; of
+/// one model at one pose, twice, it leaves the question and so the answer as they are.
+///
 /// Poses are taken as [`Pose::accepted`](cranny_exact::Pose::accepted) returns them: a quaternion
 /// that is a little off unit length is normalised, and the answer is the one for that pose.
 ///
@@ -94,9 +95,9 @@ pub fn query(
     Ok(found)
 }
 
-/// How deep two solids overlap, a region each, the deepest first; without the curves, contacts and areas
-/// of [`Demand::Regions`]. Empty where they do not overlap, where one lies wholly inside the other,
-/// and where a surface is open.
+/// How deep two solids overlap, a region each, the deepest first; without the curves, contacts and
+/// areas of [`Demand::Regions`]. Empty where they do not overlap, where one lies wholly inside the
+/// other, and where a surface is open.
 ///
 /// # Errors
 ///

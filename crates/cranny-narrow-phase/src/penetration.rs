@@ -22,8 +22,9 @@ const FLAT: f64 = 0.9;
 /// degrees.
 const LOOKS_ALONG: f64 = 0.5;
 
-/// Faces of a curved region whose normals are tried as its direction, at most, a side; of more, some
-/// are, evenly.
+/// Faces of a curved region whose normals are tried as its direction, at most, a side; of more,
+/// these are evenly spread. More: the least depth is found more often; fewer: regions of thousands
+/// of faces take less time.
 const MAX_DIRECTIONS: usize = 64;
 
 /// How two bodies overlap in one region: the least that is needed to lead them out.

@@ -165,8 +165,8 @@ fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 
-/// When, how many contacts, how deep; how near where nothing overlaps; and what is shown, where that
-/// is another contact.
+/// When, how many contacts, how deep; how near where nothing overlaps; and what is shown, where
+/// that is another contact.
 fn caption(
     coats: &Coats,
     moment: &Moment,
