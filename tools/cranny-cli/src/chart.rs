@@ -47,8 +47,9 @@ pub(crate) struct Words {
 /// A power of ten, twice or five times one; numbers between are not written beside an axis, where
 /// they would cover each other.
 pub(crate) fn is_round(x: f64) -> bool {
-    let leading = x / 10f64.powf((x.log10() + 1e-9).floor());
-    [1.0, 2.0, 5.0].iter().any(|round| (leading - round).abs() < 1e-6)
+    // Marks of an axis are products of powers, and are off by rounding.
+    let leading = format!("{x:.3e}");
+    ["1.000e", "2.000e", "5.000e"].iter().any(|round| leading.starts_with(round))
 }
 
 /// From a little below the power of ten below all values to a little above that above: numbers at

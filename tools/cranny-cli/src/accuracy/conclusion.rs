@@ -18,14 +18,14 @@ const NONE: f64 = 1e-5;
 const MISJUDGED: f64 = 0.01;
 
 /// A kind of poses, in words, and its panel of a row.
-struct Kind {
+struct PoseKind {
     place: &'static str,
     of: fn(&MethodFigures) -> &Panel,
 }
 
-const KINDS: [Kind; 2] = [
-    Kind { place: "where bodies are apart", of: |row| &row.apart },
-    Kind { place: "where they overlap", of: |row| &row.overlapping },
+const KINDS: [PoseKind; 2] = [
+    PoseKind { place: "where bodies are apart", of: |row| &row.apart },
+    PoseKind { place: "where they overlap", of: |row| &row.overlapping },
 ];
 
 const PIECES: &str = "parry-decomposition";
@@ -105,7 +105,7 @@ fn in_motion(runs: &[RunFigures]) -> Option<String> {
     Some(words + ".")
 }
 
-impl Kind {
+impl PoseKind {
     fn paragraph(&self, all: &[MethodFigures]) -> Option<String> {
         let exact = self.exact(all)?;
         let mut sentences = vec![format!(
