@@ -32,6 +32,12 @@ use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 /// contact; larger: edges on opposite sides of a thin bar are pressed through it.
 const DETOUR: f64 = 2.0;
 
+/// How much deeper than the nearest way out a crossing of edges may be, in multiples of what it is
+/// where the edge is crossed midway between its two faces. Smaller: an edge that is crossed nearly
+/// along one of its faces makes no contact; larger: a body pushed sideways by a sliver is lifted by
+/// the height of the side that it touches.
+const ASLANT: f64 = 8.0;
+
 /// Contacts of negative separation by pairs of patches: all where they are to span the pair, else
 /// the deepest.
 pub(super) struct Overlaps<'p, 'm> {
@@ -176,10 +182,12 @@ fn edges_crossing(
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
         let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut Counters| {
             let nearest = surfaces[side.index()].to(p, counters).distance;
+            let least = sine_of_half(pair, side, edge) * -contact.separation;
             let around = pair.topology(side).half_edges(edge);
-            around
-                .iter()
-                .any(|h| NearestFace::on(pair, side, p, h.face()).distance <= DETOUR * nearest)
+            least <= ASLANT * nearest + pair.length_error()
+                && around
+                    .iter()
+                    .any(|h| NearestFace::on(pair, side, p, h.face()).distance <= DETOUR * nearest)
                 && is_inside(pair, side, p, counters)
         };
         if contact.separation < 0.0
@@ -189,6 +197,14 @@ fn edges_crossing(
             found.add(contact);
         }
     }
+}
+
+/// Sine of half the angle within the solid between the two faces at an edge: the distance to both,
+/// in parts of that to the edge, of what lies midway between them.
+fn sine_of_half(pair: &Pair, side: Side, edge: EdgeId) -> f64 {
+    let mut faces = pair.topology(side).half_edges(edge).iter().map(|h| h.face());
+    let (Some(f), Some(g)) = (faces.next(), faces.next()) else { return 0.0 };
+    (0.5 * (1.0 + pair.normal(side, f).dot(pair.normal(side, g)))).max(0.0).sqrt()
 }
 
 /// By how much of its length two edges may miss each other, seen along their common normal, and

@@ -6,7 +6,8 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
 use cranny_narrow_phase::{
-    Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force, query,
+    Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force,
+    penetrations, query,
 };
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
 use cranny_testkit::{Rng, from_surface, world_triangles};
@@ -528,4 +529,33 @@ fn what_is_near_is_kept_and_changes_no_answer() {
     }
     assert!(found > 1000 && met > 500, "{found} contacts, {met} pairs of faces that meet");
     assert!(4 * kept < 3 * looked, "{kept} nodes compared, {looked} without memory");
+}
+
+/// A tall box is pushed against the side of a low one: the overlap is a sliver. That edges of the two
+/// cross, seen from above, makes nothing as deep as the side is high.
+#[test]
+fn a_sliver_beside_is_no_deep_overlap() {
+    let (tall, low) =
+        (shape(Cuboid { size: [0.1, 1.0, 0.4] }), shape(Cuboid { size: [0.1, 0.1, 0.1] }));
+    let mut rng = Rng::new(11);
+    let mut overlapping = 0;
+    for round in 0..200 {
+        let yaw = DQuat::from_rotation_z(0.08 * rng.unit());
+        let tilt = DQuat::from_scaled_axis(1e-3 * DVec3::new(rng.unit(), rng.unit(), 0.0));
+        let into = 2e-3 * rng.unit().abs();
+        let place = DVec3::new(0.1 - into, 0.3 * rng.unit(), 0.03 * rng.unit() - 0.16);
+        let a = Placed { model: &tall, pose: Pose::IDENTITY };
+        let b = Placed { model: &low, pose: Pose { rotation: tilt * yaw, translation: place } };
+        let overlaps = penetrations(a, b, &mut PairMemory::default()).unwrap();
+        let truth = overlaps.iter().map(|overlap| overlap.depth()).fold(0.0, f64::max);
+        let found = contacts(a, b, 0.0);
+        assert!(
+            found.depth() <= 3.0 * truth + 1e-12,
+            "round {round}: {} of {truth}: {:?}",
+            found.depth(),
+            found.contacts.first()
+        );
+        overlapping += usize::from(truth > 0.0);
+    }
+    assert!(overlapping > 150, "{overlapping}");
 }
