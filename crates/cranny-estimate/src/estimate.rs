@@ -52,6 +52,8 @@ pub struct Estimate {
     pub answer: Option<Answer>,
     /// Work done on trees, faces and points. Walks are counted by [`hull_steps`](Self::hull_steps).
     pub counters: Counters,
+    /// Whether the budget ended the work before the level did: with more of it, more may be certain.
+    pub ended_by_budget: bool,
     /// Pairs of hull features and portals that a walk tested; 0 but for the levels
     /// [`Hulls`](crate::Accuracy::Hulls) and [`Caps`](crate::Accuracy::Caps).
     pub hull_steps: u64,
@@ -70,6 +72,7 @@ impl Estimate {
             places: Vec::new(),
             answer: None,
             counters: Counters::default(),
+            ended_by_budget: false,
             hull_steps: 0,
         }
     }
@@ -95,8 +98,17 @@ impl Estimate {
             witnesses: answer.witnesses,
             places: Vec::new(),
             counters: answer.counters,
+            ended_by_budget: false,
             hull_steps: 0,
             answer: Some(answer),
         }
+    }
+
+    /// Elementary tests that were made: of pairs of boxes and of triangles, of points against a
+    /// solid, and the steps of a walk.
+    #[must_use]
+    pub fn tests(&self) -> u64 {
+        let Counters { node_tests, triangle_tests, inside_tests, .. } = self.counters;
+        node_tests + triangle_tests + inside_tests + self.hull_steps
     }
 }

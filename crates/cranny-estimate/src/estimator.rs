@@ -127,7 +127,8 @@ impl Estimator<'_, '_> {
             }
         };
         let (trees, findings) = (&self.trees, &mut self.findings);
-        let outrun = self.warm.outrun;
+        // Without a test left, a cut that was outrun stays for an estimate that has some.
+        let outrun = self.meter.affords(1) && std::mem::take(&mut self.warm.outrun);
         let cut = &mut self.warm.refinement;
         self.complete &= cut.refine(trees, &scope, findings, &mut self.meter, outrun);
         let least = cut.least(trees);
@@ -223,6 +224,7 @@ impl Estimator<'_, '_> {
             places,
             answer: None,
             counters: self.findings.counters,
+            ended_by_budget: self.meter.refused,
             hull_steps: self.hull_steps,
         }
     }

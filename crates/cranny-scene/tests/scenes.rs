@@ -48,7 +48,7 @@ fn everything_in_a_scene_arrives() {
     assert_eq!(nut.material, Material { density: 2.0, friction: 0.0, restitution: 1.0 });
     assert_eq!(
         (nut.layers.as_slice(), nut.effects.as_slice()),
-        (&["a".to_owned(), "b".to_owned()][..], &[Effect::Trigger][..])
+        (&["a".to_owned(), "b".to_owned()][..], &[Effect::TRIGGER][..])
     );
     let mug = &scene.bodies[1];
     assert_eq!(

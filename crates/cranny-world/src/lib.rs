@@ -36,7 +36,7 @@
 //! let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
 //!
 //! let mut world = World::new();
-//! world.set_scene_effects(&[Effect::Trigger])?;
+//! world.set_scene_effects(&[Effect::TRIGGER])?;
 //! let mut insert = |name: &str, kind, x| {
 //!     let pose = Pose::at(DVec3::new(x, 0.0, 0.0));
 //!     world.insert(BodySpec { kind, pose, ..BodySpec::new(name, model.clone()) })
@@ -59,6 +59,7 @@ mod crew;
 mod demand;
 pub mod description;
 mod error;
+mod estimates;
 mod layers;
 mod report;
 mod world;
@@ -66,11 +67,14 @@ mod world;
 pub use arrangement::{Arranged, Arrangement, ArrangementError, NearestPair, Wanted};
 pub use body::{Body, BodyId, BodySpec};
 pub use bounds::world_box;
+pub use cranny_estimate::Verdict;
 pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
+pub use estimates::PairEstimate;
 pub use layers::Layers;
 pub use report::{
-    Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
+    Deepest, EstimateStats, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport,
+    StepStats,
 };
 pub use world::World;
 

@@ -13,7 +13,7 @@ fn rings() -> World {
     let mesh = Torus { major_segments: 16, minor_segments: 8, ..Torus::default() }.build().unwrap();
     let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
     let mut world = World::new();
-    world.set_scene_effects(&[Effect::Trigger, Effect::Contacts { margin: 0.05 }]).unwrap();
+    world.set_scene_effects(&[Effect::TRIGGER, Effect::Contacts { margin: 0.05 }]).unwrap();
     for i in 0..27 {
         world
             .insert(BodySpec { pose: pose(i, 0), ..BodySpec::new(i.to_string(), model.clone()) })

@@ -9,7 +9,7 @@ use cranny_world::description::Effect;
 
 use crate::build::{empty, gate, steps, unit, up, world};
 
-const NEAR: Effect = Effect::Proximity { within: 0.6 };
+const NEAR: Effect = Effect::proximity(0.6);
 
 fn report(app: &SceneApp) -> &ProximityReport {
     app.app().world().resource::<ProximityReport>()
@@ -67,7 +67,7 @@ fn the_nearest_is_seen_from_the_body_that_asks() {
 #[cfg(feature = "rapier")]
 #[test]
 fn other_effects_of_a_pair_change_no_distance() {
-    let others = [Effect::Trigger, Effect::Contacts { margin: 0.1 }, Effect::Response];
+    let others = [Effect::TRIGGER, Effect::Contacts { margin: 0.1 }, Effect::Response];
     let run = |effects: &[Effect]| {
         let mut app = empty(&[&[NEAR], effects].concat());
         world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
@@ -84,7 +84,7 @@ fn other_effects_of_a_pair_change_no_distance() {
     let alone = run(&others[2..]);
     let lengths: Vec<f64> = alone.iter().flatten().map(|(distance, _)| *distance).collect();
     assert!(lengths.len() > 50 && lengths.contains(&0.0) && lengths[0] > 0.3, "{lengths:?}");
-    let answered = [Effect::Trigger, Effect::Response];
+    let answered = [Effect::TRIGGER, Effect::Response];
     for effects in [&others[..], &others[1..], &answered] {
         assert_eq!(run(effects), alone, "{effects:?}");
     }
@@ -99,7 +99,7 @@ fn other_effects_of_a_pair_change_no_distance() {
 #[test]
 fn a_distance_that_is_none_is_refused() {
     for within in [0.0, -1.0, f64::NAN] {
-        let refused = SceneApp::new(&gate(&[Effect::Proximity { within }]), &RunOptions::default());
+        let refused = SceneApp::new(&gate(&[Effect::proximity(within)]), &RunOptions::default());
         let refused = refused.err().expect("it is no distance").to_string();
         assert!(refused.contains("`within` of Proximity of the scene"), "{refused}");
     }
