@@ -166,9 +166,9 @@ pub use spatial::{
 };
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
-    LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
-    TriggerSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
+    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
+    Skipped, TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, EstimateTally, Series, Tally};
 pub use trigger::{

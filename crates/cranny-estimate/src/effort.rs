@@ -184,6 +184,17 @@ impl<'a> Meter<'a> {
         }
     }
 
+    /// Keeps tests back until they are given back, if twice as many are left; returns how many.
+    pub(crate) fn reserve(&mut self, tests: u64) -> u64 {
+        match self.budget {
+            Budget::Tests(_) if self.affords(2 * tests) => {
+                self.spent += tests;
+                tests
+            }
+            _ => 0,
+        }
+    }
+
     /// Returns tests that were taken and not made.
     pub(crate) fn give_back(&mut self, tests: u64) {
         self.spent = self.spent.saturating_sub(tests);

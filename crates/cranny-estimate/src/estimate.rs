@@ -42,8 +42,9 @@ pub struct Estimate {
     /// `Regions`, where regions overlap, it holds minus the depth of the deepest, as
     /// [`Answer::separation`].
     pub separation: Interval,
-    /// A point on each surface, no farther apart than `separation.hi`, but for rounding; a common
-    /// point where surfaces are known to meet. `None` if no face and no vertex was tested.
+    /// A point on each surface, the nearest that were tested; a common point where surfaces are known
+    /// to meet. They are no farther apart than `separation.hi`, but for rounding, unless memory knows
+    /// a tighter bound. `None` if no face and no vertex was tested.
     pub witnesses: Option<[Witness; 2]>,
     /// For the demands `Contacts` and `Regions`: boxes that hold all points of the two surfaces
     /// that are shared or within the margin, nearest first. Empty if there is an `answer`.

@@ -17,6 +17,12 @@ use crate::crew::Crew;
 /// were nearest, a few of points) as on going on. More: a small budget serves fewer pairs a step.
 const LEAST_SHARE: u64 = 32;
 
+/// An interval whose width is this share of the coordinates, or less, has closed: what is left of it
+/// is rounding. Smaller: tests go to faces that are equally near, as those of parallel planes. Larger:
+/// distances are off by more than exact ones are. `what_easy_pairs_leave_goes_to_the_hard_one` has
+/// such planes.
+const CLOSED: f64 = 1e-13;
+
 /// What is certain of a pair; the lower id first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairEstimate {
@@ -30,13 +36,14 @@ pub struct PairEstimate {
     pub verdict: Verdict,
     /// Holds the distance between the surfaces, 0 where they meet.
     pub separation: Interval,
-    /// A point of each surface, no farther apart than `separation.hi` but for rounding; world
-    /// coordinates. `None` where no test was left for the pair.
+    /// A point of each surface, the nearest that were tested in this step; world coordinates. Where
+    /// memory knows a tighter bound they are farther apart than `separation.hi`. `None` where no test
+    /// was left for the pair.
     pub points: Option<[DVec3; 2]>,
     /// Elementary tests that were made in this step.
     pub tests: u64,
     /// Whether more tests bring nothing: the level is exhausted, or all that is read is certain. At
-    /// the level `Exact` the estimate is then exact.
+    /// the level `Exact` the verdict is then exact, and the distance but for rounding.
     pub is_settled: bool,
 }
 
@@ -114,6 +121,7 @@ impl<'w> Refinement<'w> {
         let effort = Effort { accuracy: self.accuracy, budget };
         let found = estimate(a, b, &self.query, &effort, &mut self.state.memory)?;
         let points = found.witnesses.map(|pair| pair.map(|witness| witness.point));
+        let before = self.found.and_then(|before| before.points);
         let tests = self.tests() + found.tests();
         let mut now = PairEstimate {
             a: self.pair.0,
@@ -121,7 +129,7 @@ impl<'w> Refinement<'w> {
             accuracy: self.accuracy,
             verdict: found.verdict,
             separation: found.separation,
-            points,
+            points: nearer(before, points),
             tests,
             is_settled: !found.ended_by_budget,
         };
@@ -143,10 +151,20 @@ impl<'w> Refinement<'w> {
         }
     }
 
-    /// Whether all that is read is certain, however wide the interval is.
+    /// Whether all that is read is certain, but for rounding.
     fn is_answered(&self, found: &PairEstimate) -> bool {
-        found.verdict != Verdict::Open
-            && self.within().is_none_or(|within| found.separation.lo >= within)
+        let Interval { lo, hi } = found.separation;
+        let is_known = |within| lo >= within || hi - lo <= CLOSED * self.extent(hi);
+        found.verdict != Verdict::Open && self.within().is_none_or(is_known)
+    }
+
+    /// How large the coordinates are of which a distance is computed.
+    fn extent(&self, distance: f64) -> f64 {
+        let size = |body: &Body| {
+            let [low, high] = [body.model.bounds().min, body.model.bounds().max];
+            body.pose.translation.length() + low.abs().max(high.abs()).length()
+        };
+        distance + self.bodies.map(size).iter().sum::<f64>()
     }
 
     /// What it needs, and how much of it; `None` where more tests bring nothing.
@@ -168,6 +186,12 @@ impl<'w> Refinement<'w> {
         self.state.waited = if is_served { 0 } else { self.state.waited + 1 };
         (self.state, self.found)
     }
+}
+
+/// The pair of points that are nearer to each other.
+fn nearer(one: Option<[DVec3; 2]>, other: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
+    let apart = |[p, q]: &[DVec3; 2]| (*q - *p).length();
+    one.into_iter().chain(other).min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 /// Estimates all pairs, within a budget for them together.
