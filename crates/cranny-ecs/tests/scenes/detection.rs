@@ -89,6 +89,7 @@ fn pairs_without_the_effect_hear_nothing() {
         a: "far".into(),
         b: "guest".into(),
         effects: vec![Effect::TRIGGER],
+        accuracy: None,
     }];
     let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
     listen(&mut app);
@@ -183,7 +184,12 @@ fn a_scene_that_contradicts_itself_is_refused() {
         SceneApp::new(&description, &RunOptions::default()).err().unwrap().to_string()
     };
     let mut unknown = gate(&[]);
-    unknown.pairs = vec![PairDescription { a: "gate".into(), b: "nobody".into(), effects: vec![] }];
+    unknown.pairs = vec![PairDescription {
+        a: "gate".into(),
+        b: "nobody".into(),
+        effects: vec![],
+        accuracy: None,
+    }];
     assert!(refused(unknown).contains("'nobody'"));
     let mut index = gate(&[]);
     index.excluded_pairs = vec![(0, 7)];

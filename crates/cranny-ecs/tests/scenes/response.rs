@@ -121,6 +121,7 @@ fn only_pairs_that_are_asked_respond() {
         a: "solid".into(),
         b: "floor".into(),
         effects: vec![Effect::Response],
+        accuracy: None,
     }];
     let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
     run(&mut app);
