@@ -16,8 +16,11 @@
 //!   taken away while the bodies touch.
 //! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
 //!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
+//! - **No level and no budget misses what exact answers find**: triggers and distances may be known
+//!   at a level, or within a number of tests a step ([`World::set_accuracy`],
+//!   [`World::set_budget`]); what is open then counts as touching ([`PairEstimate`]).
 //! - **Memory changes no answer**, and whoever doubts it can have every step checked:
-//!   [`World::set_verification`].
+//!   [`World::set_verification`]. Within a budget it says how much is left open.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises

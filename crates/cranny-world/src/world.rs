@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, Fields, Query};
+use cranny_narrow_phase::{Answer, Demand, Fields, Query, QueryError};
 
 use crate::body::{Body, BodyId, BodySpec};
 use crate::bounds::world_box;
@@ -296,7 +296,8 @@ impl World {
     }
 
     /// Brings boxes and pairs up to date and answers, in the order of ids, every pair that has a
-    /// demand and whose boxes overlap.
+    /// demand and whose boxes overlap: exactly, or at its [level](Self::set_accuracy) and within the
+    /// [budget](Self::set_budget).
     ///
     /// # Errors
     ///
@@ -313,7 +314,7 @@ impl World {
         };
         let queried = self.query_candidates();
         self.depths_at_most.clear();
-        let Found { mut answers, mut estimates, mismatches } = queried?;
+        let Found { mut answers, mut estimates, mismatches, .. } = queried?;
         stats.queried_pairs = answers.len() + estimates.len();
         stats.verified_pairs = if self.verify { answers.len() } else { 0 };
         let supplied = std::mem::take(&mut self.supplied);
@@ -347,7 +348,7 @@ impl World {
     /// memory, and the two compared, to the bit; off until then. Answers and events stay those with
     /// memory; differences, which would be faults of Cranny's, are told in
     /// [`StepReport::mismatches`]. A step then costs what it costs warm and cold together. Supplied
-    /// answers are not compared.
+    /// answers are not compared, nor are estimates, which depend on memory where a budget ends them.
     pub fn set_verification(&mut self, verify: bool) {
         self.verify = verify;
     }
@@ -397,6 +398,38 @@ impl World {
     }
 
     fn query_with(&self, memories: &mut BTreeMap<Pair, PairState>) -> Result<Found, WorldError> {
+        let (mut jobs, mut refinements) = self.wanted(memories)?;
+        let mut found = Found::default();
+        let refined = refine(&mut refinements, self.budget, &self.crew);
+        for refinement in refinements {
+            let (pair, bodies) = (refinement.pair, refinement.bodies);
+            let (state, estimate) = refinement.finish();
+            memories.insert(pair, state);
+            found.estimates.extend(estimate);
+            if let (None, Err(source)) = (estimate, &refined) {
+                found.refuse(bodies, source.clone());
+            }
+        }
+        let answers = self.crew.each(&mut jobs, |(_, job)| job.answer());
+        for (((a, b), job), answer) in jobs.into_iter().zip(answers) {
+            memories.insert((a, b), job.state);
+            match answer {
+                Ok((answer, mismatch)) => {
+                    found.answers.push(PairAnswer { a, b, answer });
+                    found.mismatches.extend(mismatch.map(|m| PairMismatch { a, b, mismatch: m }));
+                }
+                Err(source) => found.refuse(job.bodies, source),
+            }
+        }
+        found.refused.take().map_or(Ok(found), Err)
+    }
+
+    /// What is asked about pairs whose boxes overlap, with their memories: what is answered exactly,
+    /// and what is estimated.
+    fn wanted<'w>(
+        &'w self,
+        memories: &mut BTreeMap<Pair, PairState>,
+    ) -> Result<(Vec<(Pair, Job<'w>)>, Vec<Refinement<'w>>), WorldError> {
         let (mut jobs, mut refinements) = (Vec::new(), Vec::new());
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
@@ -417,34 +450,7 @@ impl World {
                 None => jobs.push((pair, Job { bodies, query, state, verify: self.verify })),
             }
         }
-        let refined = refine(&mut refinements, self.budget, &self.crew);
-        let mut found = Found::default();
-        let mut refused = None;
-        let mut note = |[a, b]: [&Body; 2], source| {
-            let (a, b) = (a.name.clone(), b.name.clone());
-            refused.get_or_insert(WorldError::Query { a, b, source });
-        };
-        for refinement in refinements {
-            let (pair, bodies) = (refinement.pair, refinement.bodies);
-            let (state, estimate) = refinement.finish();
-            memories.insert(pair, state);
-            found.estimates.extend(estimate);
-            if let (None, Err(source)) = (estimate, &refined) {
-                note(bodies, source.clone());
-            }
-        }
-        let answers = self.crew.each(&mut jobs, |(_, job)| job.answer());
-        for (((a, b), job), answer) in jobs.into_iter().zip(answers) {
-            memories.insert((a, b), job.state);
-            match answer {
-                Ok((answer, mismatch)) => {
-                    found.answers.push(PairAnswer { a, b, answer });
-                    found.mismatches.extend(mismatch.map(|m| PairMismatch { a, b, mismatch: m }));
-                }
-                Err(source) => note(job.bodies, source),
-            }
-        }
-        refused.map_or(Ok(found), Err)
+        Ok((jobs, refinements))
     }
 
     /// Replaces the set of touching pairs and tells the difference.
@@ -516,6 +522,15 @@ struct Found {
     answers: Vec<PairAnswer>,
     estimates: Vec<PairEstimate>,
     mismatches: Vec<PairMismatch>,
+    /// The first pair that the narrow phase refused.
+    refused: Option<WorldError>,
+}
+
+impl Found {
+    fn refuse(&mut self, [a, b]: [&Body; 2], source: QueryError) {
+        let (a, b) = (a.name.clone(), b.name.clone());
+        self.refused.get_or_insert(WorldError::Query { a, b, source });
+    }
 }
 
 fn motion_of(kind: BodyKind) -> Motion {

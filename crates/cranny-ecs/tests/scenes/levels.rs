@@ -2,7 +2,6 @@
 
 use std::num::NonZeroUsize;
 
-use bevy_ecs::prelude::*;
 use cranny_ecs::*;
 use cranny_exact::DVec3;
 use cranny_world::StepReport;
@@ -154,10 +153,11 @@ fn the_table_and_the_world_agree_on_levels() {
             levels.push((a.0, b.0, level));
         }
     }
-    use Accuracy::{Caps, Exact, Hulls, Tree};
     let known = |a, b| levels.iter().find(|(x, y, _)| (*x, *y) == (a, b)).unwrap().2;
-    assert_eq!((known(0, 1), known(1, 2), known(1, 3)), (Tree(4), Caps, Exact));
-    assert_eq!((known(0, 4), known(1, 4), known(3, 4)), (Hulls, Caps, Exact));
+    let of_guest = [known(0, 1), known(1, 2), known(1, 3)];
+    assert_eq!(of_guest, [Accuracy::Tree(4), Accuracy::Caps, Accuracy::Exact]);
+    let of_coarse = [known(0, 4), known(1, 4), known(3, 4)];
+    assert_eq!(of_coarse, [Accuracy::Hulls, Accuracy::Caps, Accuracy::Exact]);
     // What explains a scene says the same.
     let plan = app.plan().unwrap();
     let group = plan.pairs.iter().find(|p| p.examples.contains(&["gate".into(), "guest".into()]));
