@@ -261,7 +261,9 @@ fn levels_and_budgets_of_a_run() {
         if more[0] == "--budget" {
             assert_eq!(line["budget"].to_string(), more[1]);
             let tests = line["tests"]["max"].as_u64().unwrap();
-            assert!(tests <= more[1].parse().unwrap() && line["estimates"]["tests"]["max"] == tests);
+            assert!(
+                tests <= more[1].parse().unwrap() && line["estimates"]["tests"]["max"] == tests
+            );
         }
     }
     let text = cranny(&["run", path, "--accuracy", "hulls", "--budget", "500"]);

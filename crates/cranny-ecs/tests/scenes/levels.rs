@@ -74,7 +74,7 @@ fn the_log_and_the_summary_say_what_was_open() {
     assert_eq!(hulls.accuracy.as_deref(), Some("hulls"));
     assert_eq!((hulls.triggers[0].times, hulls.triggers[0].open), (1, 1));
     let estimates = hulls.estimates.unwrap();
-    assert!(estimates.open.mean > 0.0 && estimates.certain > 0.0, "{estimates:?}");
+    assert_eq!((estimates.open.mean, estimates.certain), (1.0, 0.0), "hulls that overlap");
     assert_eq!(estimates.unsettled.max, 0, "no budget ends anything");
     let options = RunOptions { budget: Some(Some(20)), ..RunOptions::default() };
     let within = run(&options);
@@ -291,6 +291,7 @@ fn a_run_within_a_budget_is_the_same_twice_and_with_any_threads() {
 #[cfg(all(feature = "rapier", feature = "scene"))]
 #[test]
 fn no_level_excludes_what_exact_finds_in_recorded_motions() {
+    let mut scenes_that_touch = 0;
     for (name, seconds, every) in [
         ("hook_on_ring.ron", 0.4, 8),
         ("peg_in_hole.ron", 0.4, 12),
@@ -302,8 +303,10 @@ fn no_level_excludes_what_exact_finds_in_recorded_motions() {
         ("budgeted_triggers.ron", 1.5, 10),
     ] {
         let (touched, open) = recorded::compare(name, seconds, every);
-        assert!(touched > 0 && open > 0, "{name}: {touched} touched, {open} were open");
+        assert!(open > 0, "{name}: {touched} touched, {open} were open");
+        scenes_that_touch += usize::from(touched > 0);
     }
+    assert!(scenes_that_touch >= 5, "{scenes_that_touch}");
 }
 
 #[cfg(all(feature = "rapier", feature = "scene"))]
