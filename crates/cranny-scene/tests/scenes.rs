@@ -162,7 +162,7 @@ fn errors_name_line_column_and_what_was_expected() {
         ("kind: Fixed", "kind: Static", "line 5, column", "Unexpected variant named `Static`"),
         ("Cup()", "Mug()", "line 5, column", "Unexpected variant named `Mug`"),
         ("Cup()", "Cup(handle: 1)", "line 5, column", "Unexpected field named `handle`"),
-        ("Trigger()", "Trigger(margin: 1)", "line 4, column", "unexpected parameter margin"),
+        ("Trigger()", "Trigger(margin: 1)", "line 4, column", "Unexpected field named `margin`"),
         (
             "Contacts(margin: 0.05)",
             "Contacts(marge: 0.05)",

@@ -63,6 +63,8 @@ pub(crate) struct PairState {
     last: Option<(Asked, PairEstimate)>,
     /// Steps since tests were left for it, though it was not settled.
     waited: u64,
+    /// The least share that gets it on, where that is more than [`LEAST_SHARE`].
+    least: u64,
 }
 
 /// What an estimate depends on, beside memory.
@@ -123,6 +125,11 @@ impl<'w> Refinement<'w> {
         let points = found.witnesses.map(|pair| pair.map(|witness| witness.point));
         let before = self.found.and_then(|before| before.points);
         let tests = self.tests() + found.tests();
+        self.state.least = match self.share {
+            // A step of an estimate may take more than a share, as a point for each component does.
+            Some(share) if found.ended_by_budget && 2 * found.tests() < share => 2 * share,
+            _ => 0,
+        };
         let mut now = PairEstimate {
             a: self.pair.0,
             b: self.pair.1,
@@ -226,7 +233,7 @@ fn share_out(
     crew: &Crew,
 ) -> Result<(), QueryError> {
     let mut left = budget;
-    // A step of an estimate may take more than a share: the first pair then gets all that is left.
+    // Where no share got anybody on, the first pair gets all that is left.
     let mut whole = false;
     while left >= LEAST_SHARE.min(budget).max(1) {
         pairs.iter_mut().for_each(|pair| pair.share = None);
@@ -253,7 +260,8 @@ fn allot(pairs: &mut [&mut Refinement<'_>], left: u64, whole: bool) -> Option<us
     let mut unshared = left;
     for &(index, weight) in &wanting {
         let fair = (left as f64 * (weight / all)) as u64;
-        let share = if whole { unshared } else { fair.max(LEAST_SHARE).min(unshared) };
+        let least = pairs[index].state.least.max(LEAST_SHARE);
+        let share = if whole { unshared } else { fair.max(least).min(unshared) };
         if share == 0 {
             break;
         }

@@ -407,7 +407,7 @@ impl World {
             memories.insert(pair, state);
             found.estimates.extend(estimate);
             if let (None, Err(source)) = (estimate, &refined) {
-                found.refuse(bodies, source.clone());
+                found.refuse(bodies, *source);
             }
         }
         let answers = self.crew.each(&mut jobs, |(_, job)| job.answer());
@@ -429,7 +429,7 @@ impl World {
     fn wanted<'w>(
         &'w self,
         memories: &mut BTreeMap<Pair, PairState>,
-    ) -> Result<(Vec<(Pair, Job<'w>)>, Vec<Refinement<'w>>), WorldError> {
+    ) -> Result<AskedPairs<'w>, WorldError> {
         let (mut jobs, mut refinements) = (Vec::new(), Vec::new());
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
@@ -515,6 +515,9 @@ impl World {
         unless(self.supplied.keys().all(present), "supplied answers are of bodies present")
     }
 }
+
+/// Pairs that are answered exactly, and pairs that are estimated.
+type AskedPairs<'w> = (Vec<(Pair, Job<'w>)>, Vec<Refinement<'w>>);
 
 /// What a step found about pairs, but for what was supplied.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 //! where it buys most, and what stands still becomes exact.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{Mesh, Model};
 use cranny_shapes::{Cuboid, Cup, Hook, LPrism, Sphere, Torus};
 use cranny_testkit::shape;
 use cranny_world::description::{Accuracy, Effect};
@@ -283,6 +283,36 @@ fn pairs_that_wait_longest_come_first() {
         }
     }
     panic!("not all are exact after {steps} steps: {served:?}");
+}
+
+/// Whether a body of many pieces holds another one takes a point of each piece, at once: more than a
+/// share, and the pair gets it all the same.
+#[test]
+fn a_body_of_many_pieces_gets_a_share_that_suffices() {
+    let cubes = (0..80).map(|i| {
+        let [x, y] = [i % 9, i / 9].map(|k| f64::from(k) * 0.4 - 1.6);
+        cranny_testkit::bodies::cuboid([x, y, -0.1], [x + 0.2, y + 0.2, 0.1])
+    });
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for cube in cubes {
+        let first = vertices.len() as u32;
+        vertices.extend_from_slice(cube.vertices());
+        faces.extend(cube.faces().iter().map(|face| face.map(|v| v + first)));
+    }
+    let pieces = cranny_testkit::model(Mesh::new(vertices, faces).unwrap());
+    let mut world = estimating(&[Effect::TRIGGER], 128);
+    let large = shape(Cuboid { size: [20.0; 3] });
+    world.insert(BodySpec::new("large", large)).unwrap();
+    for i in 0..3 {
+        let pose = Pose::at(DVec3::Z * f64::from(i) * 3.0);
+        let spec = BodySpec::new(format!("pieces {i}"), pieces.clone());
+        world.insert(BodySpec { pose, ..spec }).unwrap();
+    }
+    let known = (0..200).find(|_| world.step().unwrap().stats.estimates.unsettled == 0);
+    let report = world.step().unwrap();
+    let inside = report.estimates.iter().filter(|pair| pair.a == BodyId(0));
+    assert!(known.is_some() && inside.clone().count() == 3, "{known:?} {report:?}");
+    assert!(inside.clone().all(|pair| pair.verdict == Verdict::Certain), "{report:?}");
 }
 
 #[test]

@@ -88,7 +88,7 @@ impl World {
 
     /// Says how many elementary tests a step may take for pairs of which triggers and distances
     /// alone are asked, all together; `None`: as many as they need. Pairs of which more is asked
-    /// are answered exactly, and do not count.
+    /// are answered exactly, and do not count. What a pair keeps to go on with takes 5 MiB at most.
     pub fn set_budget(&mut self, budget: Option<u64>) {
         self.budget = budget;
     }
