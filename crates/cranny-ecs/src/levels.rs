@@ -93,7 +93,7 @@ fn unless_exact<'a>(
     mut effects: impl Iterator<Item = &'a Effect>,
     sensor: bool,
 ) -> Result<(), SceneAppError> {
-    let needs_contacts = |effect: &&Effect| !effect.has_levels() && !(sensor && effect.pushes());
+    let needs_contacts = |effect: &&Effect| !(effect.has_levels() || sensor && effect.pushes());
     match effects.find(needs_contacts) {
         Some(effect) => Err(SceneAppError::NotAtLevel { what, effect: effect.name() }),
         None => Ok(()),
