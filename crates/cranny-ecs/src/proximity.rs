@@ -46,8 +46,8 @@ pub struct ProximityPair {
     pub distance: f64,
     /// The most that the distance can be: `distance`, but at a level or within a budget.
     pub at_most: f64,
-    /// A point of each that realises `distance`, world coordinates; at a level or within a budget, the
-    /// nearest that were tested in this step. `None` where a budget left no test for the pair.
+    /// A point of each that realises `distance`, world coordinates; at a level or within a budget,
+    /// the nearest that were tested in this step. `None` where a budget left no test for the pair.
     pub points: Option<[DVec3; 2]>,
     /// How fast the points approach each other, units of length / second: < 0 where they part, 0
     /// where the surfaces meet.

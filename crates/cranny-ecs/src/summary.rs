@@ -42,8 +42,8 @@ pub struct RunSummary {
     /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None`
     /// without it or a solver.
     pub pairs_found: Option<PairsFound>,
-    /// Elementary tests of a step for the pairs that our detector examines, where no solver detects;
-    /// `None` with one.
+    /// Elementary tests of a step for the pairs that our detector examines, where no solver
+    /// detects; `None` with one.
     pub tests: Option<CountSummary>,
     /// Of pairs known at a level or within the budget; `None` where there were none.
     pub estimates: Option<EstimateSummary>,
@@ -60,8 +60,8 @@ pub struct RunSummary {
     pub first_overlap: Option<DeepestSummary>,
     /// Pairs that ask for `Trigger` and touched, by ids.
     pub triggers: Vec<TriggerSummary>,
-    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its own
-    /// diagonal.
+    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its
+    /// own diagonal.
     pub left: Vec<LeftSummary>,
     /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
     /// or where no exact answer tells.

@@ -42,9 +42,9 @@ pub struct Estimate {
     /// `Regions`, where regions overlap, it holds minus the depth of the deepest, as
     /// [`Answer::separation`].
     pub separation: Interval,
-    /// A point on each surface, the nearest that were tested; a common point where surfaces are known
-    /// to meet. They are no farther apart than `separation.hi`, but for rounding, unless memory knows
-    /// a tighter bound. `None` if no face and no vertex was tested.
+    /// A point on each surface, the nearest that were tested; a common point where surfaces are
+    /// known to meet. They are no farther apart than `separation.hi`, but for rounding, unless
+    /// memory knows a tighter bound. `None` if no face and no vertex was tested.
     pub witnesses: Option<[Witness; 2]>,
     /// For the demands `Contacts` and `Regions`: boxes that hold all points of the two surfaces
     /// that are shared or within the margin, nearest first. Empty if there is an `answer`.
@@ -53,7 +53,8 @@ pub struct Estimate {
     pub answer: Option<Answer>,
     /// Work done on trees, faces and points. Walks are counted by [`hull_steps`](Self::hull_steps).
     pub counters: Counters,
-    /// Whether the budget ended the work before the level did: with more of it, more may be certain.
+    /// Whether the budget ended the work before the level did: with more of it, more may be
+    /// certain.
     pub ended_by_budget: bool,
     /// Pairs of hull features and portals that a walk tested; 0 but for the levels
     /// [`Hulls`](crate::Accuracy::Hulls) and [`Caps`](crate::Accuracy::Caps).

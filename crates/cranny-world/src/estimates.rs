@@ -17,10 +17,10 @@ use crate::crew::Crew;
 /// were nearest, a few of points) as on going on. More: a small budget serves fewer pairs a step.
 const LEAST_SHARE: u64 = 32;
 
-/// An interval whose width is this share of the coordinates, or less, has closed: what is left of it
-/// is rounding. Smaller: tests go to faces that are equally near, as those of parallel planes. Larger:
-/// distances are off by more than exact ones are. `what_easy_pairs_leave_goes_to_the_hard_one` has
-/// such planes.
+/// An interval whose width is this share of the coordinates, or less, has closed: what is left of
+/// it is rounding. Smaller: tests go to faces that are equally near, as those of parallel planes.
+/// Larger: distances are off by more than exact ones are.
+/// `what_easy_pairs_leave_goes_to_the_hard_one` has such planes.
 const CLOSED: f64 = 1e-13;
 
 /// What is certain of a pair; the lower id first.
@@ -37,8 +37,8 @@ pub struct PairEstimate {
     /// Holds the distance between the surfaces, 0 where they meet.
     pub separation: Interval,
     /// A point of each surface, the nearest that were tested in this step; world coordinates. Where
-    /// memory knows a tighter bound they are farther apart than `separation.hi`. `None` where no test
-    /// was left for the pair.
+    /// memory knows a tighter bound they are farther apart than `separation.hi`. `None` where no
+    /// test was left for the pair.
     pub points: Option<[DVec3; 2]>,
     /// Elementary tests that were made in this step.
     pub tests: u64,

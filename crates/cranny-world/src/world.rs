@@ -296,8 +296,8 @@ impl World {
     }
 
     /// Brings boxes and pairs up to date and answers, in the order of ids, every pair that has a
-    /// demand and whose boxes overlap: exactly, or at its [level](Self::set_accuracy) and within the
-    /// [budget](Self::set_budget).
+    /// demand and whose boxes overlap: exactly, or at its [level](Self::set_accuracy) and within
+    /// the [budget](Self::set_budget).
     ///
     /// # Errors
     ///
@@ -348,7 +348,8 @@ impl World {
     /// memory, and the two compared, to the bit; off until then. Answers and events stay those with
     /// memory; differences, which would be faults of Cranny's, are told in
     /// [`StepReport::mismatches`]. A step then costs what it costs warm and cold together. Supplied
-    /// answers are not compared, nor are estimates, which depend on memory where a budget ends them.
+    /// answers are not compared, nor are estimates, which depend on memory where a budget ends
+    /// them.
     pub fn set_verification(&mut self, verify: bool) {
         self.verify = verify;
     }
@@ -424,8 +425,8 @@ impl World {
         found.refused.take().map_or(Ok(found), Err)
     }
 
-    /// What is asked about pairs whose boxes overlap, with their memories: what is answered exactly,
-    /// and what is estimated.
+    /// What is asked about pairs whose boxes overlap, with their memories: what is answered
+    /// exactly, and what is estimated.
     fn wanted<'w>(
         &'w self,
         memories: &mut BTreeMap<Pair, PairState>,

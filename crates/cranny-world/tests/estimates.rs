@@ -285,8 +285,8 @@ fn pairs_that_wait_longest_come_first() {
     panic!("not all are exact after {steps} steps: {served:?}");
 }
 
-/// Whether a body of many pieces holds another one takes a point of each piece, at once: more than a
-/// share, and the pair gets it all the same.
+/// Whether a body of many pieces holds another one takes a point of each piece, at once: more than
+/// a share, and the pair gets it all the same.
 #[test]
 fn a_body_of_many_pieces_gets_a_share_that_suffices() {
     let cubes = (0..80).map(|i| {

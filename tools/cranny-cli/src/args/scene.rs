@@ -94,13 +94,13 @@ pub(crate) struct RunArgs {
 /// How much is spent on triggers and distances.
 #[derive(Debug, Args)]
 pub(crate) struct EffortArgs {
-    /// Level of all triggers and distances: boxes, hulls, caps, tree:DEPTH or exact; no level misses
-    /// what exact finds [default: the scene's levels]
+    /// Level of all triggers and distances: boxes, hulls, caps, tree:DEPTH or exact; no level
+    /// misses what exact finds [default: the scene's levels]
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub(crate) accuracy: Option<Accuracy>,
 
-    /// Elementary tests a step for all triggers and distances together, or `unlimited`; what is open
-    /// is narrowed in later steps [default: the scene's `budget`]
+    /// Elementary tests a step for all triggers and distances together, or `unlimited`; what is
+    /// open is narrowed in later steps [default: the scene's `budget`]
     #[arg(long, value_name = "N", value_parser = step_budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<StepBudget>,
 }
