@@ -20,7 +20,7 @@ const LEAST_SHARE: u64 = 32;
 /// An interval whose width is this share of the coordinates, or less, has closed: what is left of
 /// it is rounding. Smaller: tests go to faces that are equally near, as those of parallel planes.
 /// Larger: distances are off by more than exact ones are.
-/// `what_easy_pairs_leave_goes_to_the_hard_one` has such planes.
+/// `the_distance_of_parallel_planes_closes` has such planes.
 const CLOSED: f64 = 1e-13;
 
 /// What is certain of a pair; the lower id first.

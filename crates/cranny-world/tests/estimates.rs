@@ -194,6 +194,18 @@ fn a_still_pair_becomes_exact_and_then_costs_nothing() {
     }
 }
 
+/// All faces of two planes are equally near: the distance is known before all were tested.
+#[test]
+fn the_distance_of_parallel_planes_closes() {
+    let mut world = estimating(&[Effect::TRIGGER, Effect::proximity(WITHIN)], 150);
+    for (name, x) in [("left", 0.0), ("right", 1.4)] {
+        let spec = BodySpec::new(name, shape(Cuboid::default()));
+        world.insert(BodySpec { pose: Pose::at(DVec3::X * x), ..spec }).unwrap();
+    }
+    let found = world.step().unwrap().estimates[0];
+    assert!(found.is_settled && found.separation.contains(0.4), "{found:?}");
+}
+
 /// Ten pairs of cubes whose distances are known after a few tests, and one pair of rings.
 #[test]
 fn what_easy_pairs_leave_goes_to_the_hard_one() {
