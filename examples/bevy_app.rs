@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cup = Cup { radius: 0.4, height: 0.6, wall: 0.05, floor: 0.05, segments: 48 };
     let cup = Collider::from_mesh(cup.build()?)?;
     let crate_ = Collider::from_mesh(Cuboid { size: [0.2; 3] }.build()?)?;
-    let cranny = CrannyPlugins::new(STEP)?.effects(&[Effect::Response, Effect::Trigger])?;
+    let cranny = CrannyPlugins::new(STEP)?.effects(&[Effect::Response, Effect::TRIGGER])?;
 
     let mut app = App::new();
     // The steps of the last plugin are bevy's fixed steps.

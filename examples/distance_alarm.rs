@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let at = world.get::<Transform>(arm).ok_or("the arm is there")?.translation.z;
             let nearest = world.resource::<ProximityReport>().nearest(arm);
             let said = nearest.map_or("nothing near".to_owned(), |n| {
-                format!("{:.3} away, {:.3} a second nearer", n.distance, n.speed)
+                format!("{:.3} away, {:.3} a second nearer", n.distance, n.speed.unwrap_or(0.0))
             });
             println!("{:.0} s: z = {at:.2}, {said}", f64::from(step) * STEP);
         }

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut world = World::new();
     // Whether bodies touch is asked of all pairs; where and how deep, of one of them only.
-    world.set_scene_effects(&[Effect::Trigger])?;
+    world.set_scene_effects(&[Effect::TRIGGER])?;
     let ring =
         world.insert(BodySpec { kind: BodyKind::Fixed, ..BodySpec::new("ring", ring.clone()) })?;
     let mut throw = |name: &str, start: DVec3, velocity: DVec3| -> Result<_, Box<dyn Error>> {

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = Collider::from_mesh(Sphere { radius: 0.3, ..Sphere::default() }.build()?)?;
 
     let mut app = App::new();
-    let cranny = CrannyPlugins::new(1.0 / 120.0)?.effects(&[Effect::Response, Effect::Trigger])?;
+    let cranny = CrannyPlugins::new(1.0 / 120.0)?.effects(&[Effect::Response, Effect::TRIGGER])?;
     app.add_plugins(cranny.hooks::<Platforms>());
     let world = app.world_mut();
     world.spawn((OneWay, platform));

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/robots/arm/arm.urdf");
     let robot = read_robot(file.as_ref())?;
     let mut world = World::new();
-    world.set_scene_effects(&[Effect::Trigger])?;
+    world.set_scene_effects(&[Effect::TRIGGER])?;
     let ids = bodies(&robot, &mut world)?;
     for (a, b) in robot.adjacent_links() {
         if let (Some(a), Some(b)) = (ids[a], ids[b]) {

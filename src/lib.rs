@@ -89,7 +89,7 @@
 //! let ball = model(Sphere { radius: 0.5, ..Sphere::default() }.build()?)?;
 //!
 //! let mut world = World::new();
-//! world.set_scene_effects(&[Effect::Trigger])?;
+//! world.set_scene_effects(&[Effect::TRIGGER])?;
 //! world.insert(BodySpec { kind: BodyKind::Fixed, ..BodySpec::new("ring", ring) })?;
 //! let ball = world.insert(BodySpec::new("ball", ball))?; // in the hole, where nothing touches
 //! assert!(world.step()?.events.is_empty());

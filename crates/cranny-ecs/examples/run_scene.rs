@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         record,
         inputs: vec![scene.path.clone()],
         source: Some(scene.source_text.clone()),
-        step: None,
+        ..RunOptions::default()
     };
     let mut app = SceneApp::new(&scene.description, &options)?;
     while app.step()? {}

@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 use bevy_app::App;
 use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
-use cranny_world::description::{BodyKind, SceneDescription};
+use cranny_world::description::{Accuracy, BodyKind, SceneDescription};
 
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime};
 use crate::effects::EffectKind;
 use crate::error::{Failure, SceneAppError};
+use crate::levels::in_words;
 use crate::outputs::check_outputs;
 use crate::plan::Plan;
 use crate::plugins::{CrannyPlugins, PluginOptions};
@@ -27,6 +28,10 @@ pub struct RunOptions {
     pub step: Option<f64>,
     /// Seconds to simulate, in place of the scene's.
     pub duration: Option<f64>,
+    /// One level for all triggers and distances, in place of those that the scene states.
+    pub accuracy: Option<Accuracy>,
+    /// Elementary tests a step, in place of the scene's budget; `Some(None)`: as many as they need.
+    pub budget: Option<Option<u64>>,
     /// The scene's text, where it came from one: part of the hash, attached to recordings.
     pub source: Option<String>,
     /// Files that the scene was read from: no output may replace them.
@@ -79,6 +84,8 @@ pub struct RunOptions {
 ///     joints: vec![],
 ///     excluded_pairs: vec![],
 ///     effects: vec![Effect::Contacts { margin: 0.1 }],
+///     accuracy: Accuracy::Exact,
+///     budget: None,
 ///     pairs: vec![],
 ///     cameras: vec![],
 ///     record: RecordDescription::default(),
@@ -109,6 +116,10 @@ impl SceneApp {
         let mut scene = scene.clone();
         scene.step = options.step.unwrap_or(scene.step);
         scene.duration = options.duration.unwrap_or(scene.duration);
+        scene.budget = options.budget.unwrap_or(scene.budget);
+        if let Some(level) = options.accuracy {
+            scene.set_accuracy(level);
+        }
         let total = step_count(scene.step, scene.duration)?;
         let inputs: Vec<&Path> = options.inputs.iter().map(PathBuf::as_path).collect();
         check_outputs(&outputs(options), &inputs)?;
@@ -121,6 +132,8 @@ impl SceneApp {
             scene: scene.name.clone(),
             scene_hash: scene_hash(&scene, options.source.as_deref()),
             detector: detector_name(options),
+            accuracy: in_words(&scene.levels()),
+            budget: scene.budget,
             threads: u32::try_from(options.plugins.thread_count().get()).unwrap_or(u32::MAX),
             seed: scene.seed,
             skipped: what_is_skipped(&scene, &plugins, options),
@@ -362,7 +375,7 @@ fn add_recording(
     options: &RunOptions,
     facts: &mut RunFacts,
 ) -> Result<CrannyPlugins, SceneAppError> {
-    use cranny_record::{RecordedAttachment, Recorder, RecordingInfo};
+    use cranny_record::{RecordedAttachment, Recorder, RecordingInfo, topic};
     let Some(path) = &options.record else { return Ok(plugins) };
     crate::outputs::probe_file(path)?;
     let attachments = options.source.iter().map(|text| RecordedAttachment {
@@ -370,13 +383,17 @@ fn add_recording(
         media_type: "text/plain".to_owned(),
         data: text.clone().into_bytes(),
     });
+    let budget = facts.budget.map(|budget| (topic::BUDGET_KEY, budget.to_string()));
+    let further = [(topic::EFFECTS_KEY, effect_names(scene))].into_iter().chain(budget);
+    let further = further.map(|(key, value)| (key.to_owned(), value));
     let info = RecordingInfo {
         scene: facts.scene.clone(),
         scene_hash: facts.scene_hash.clone(),
         detector: facts.detector.clone(),
+        accuracy: facts.accuracy.clone(),
         seed: facts.seed,
         attachments: attachments.collect(),
-        further: [(cranny_record::topic::EFFECTS_KEY.to_owned(), effect_names(scene))].into(),
+        further: further.collect(),
         ..RecordingInfo::new(scene.step)
     };
     let recorder = Recorder::create(path, &info)?;

@@ -13,7 +13,8 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::Pose;
-use cranny_world::description::Effect;
+use cranny_narrow_phase::Counters;
+use cranny_world::description::{Accuracy, Effect};
 use cranny_world::{BodyId, BodySpec, ContactFields, StepReport, World as PairWorld};
 
 use crate::body::{Bodies, Body, pose_of};
@@ -58,6 +59,7 @@ pub struct Detector {
     pub(crate) supplied_poses: BTreeMap<(BodyId, BodyId), ([Pose; 2], QueryFrame)>,
     /// What the world knows of pairs, and of which revision of the effects that is.
     pairs: BTreeMap<Pair, Vec<Effect>>,
+    levels: BTreeMap<Pair, Accuracy>,
     excluded: BTreeSet<Pair>,
     revision: u64,
 }
@@ -76,6 +78,8 @@ pub struct Detected {
 pub(crate) struct DetectionPlugin {
     /// What is asked about all bodies.
     scene: Vec<Effect>,
+    accuracy: Accuracy,
+    budget: Option<u64>,
     threads: NonZeroUsize,
     /// Who needs it.
     trigger: bool,
@@ -93,6 +97,8 @@ impl DetectionPlugin {
     pub(crate) fn new(scene: &[Effect], effects: &EffectTable, options: &PluginOptions) -> Self {
         Self {
             scene: scene.to_vec(),
+            accuracy: effects.accuracy(),
+            budget: effects.budget(),
             threads: options.thread_count(),
             trigger: effects.names(EffectKind::Trigger),
             proximity: effects.names(EffectKind::Proximity),
@@ -109,12 +115,15 @@ impl Plugin for DetectionPlugin {
         let mut world = PairWorld::new();
         let ready =
             world.set_threads(self.threads).and_then(|()| world.set_scene_effects(&self.scene));
+        world.set_accuracy(self.accuracy);
+        world.set_budget(self.budget);
         app.world_mut().resource_mut::<Failure>().note(ready);
         app.insert_resource(Detector {
             world: Mutex::new(world),
             beside_solver: self.beside_solver,
             supplied_poses: BTreeMap::new(),
             pairs: BTreeMap::new(),
+            levels: BTreeMap::new(),
             excluded: BTreeSet::new(),
             revision: 0,
         });
@@ -244,9 +253,16 @@ fn read_deeper(tally: Res<Tally>, mut readers: ResMut<ContactReaders>) {
 
 /// Where there is a solver, its pairs and contacts are the ones counted.
 fn tally_pairs(detected: Res<Detected>, detector: Res<Detector>, mut tally: ResMut<Tally>) {
-    if let Some(report) = detected.report.as_ref().filter(|_| !detector.beside_solver) {
-        tally.pairs.push(report.stats.queried_pairs);
-        tally.contacts.push(report.stats.contacts);
+    let Some(StepReport { stats, .. }) = &detected.report else { return };
+    if stats.estimates.pairs > 0 {
+        tally.estimates.get_or_insert_default().push(&stats.estimates);
+    }
+    if !detector.beside_solver {
+        tally.pairs.push(stats.queried_pairs);
+        tally.contacts.push(stats.contacts);
+        let Counters { node_tests, triangle_tests, inside_tests, .. } = stats.counters;
+        let exact = node_tests + triangle_tests + inside_tests;
+        tally.tests.push((exact + stats.estimates.tests) as usize);
     }
 }
 
@@ -268,12 +284,14 @@ fn take_in(
         shaped
             .and_then(|()| world.set_kind(id, record.kind))
             .and_then(|()| world.set_layers(id, asked.layers))
+            .and_then(|()| world.set_sensor(id, asked.sensor))
             .and_then(|()| world.set_effects(id, &asked.effects))
     } else {
         let spec = BodySpec {
             pose: pose_of(transform),
             kind: record.kind,
             layers: asked.layers,
+            sensor: asked.sensor,
             effects: asked.effects.clone(),
             ..BodySpec::new(record.name.clone(), record.model.clone())
         };
@@ -298,7 +316,9 @@ fn relate_pairs(
     let excluded: BTreeSet<Pair> = effects.excluded().collect();
     let pairs = std::mem::replace(&mut detector.pairs, pairs);
     let excluded = std::mem::replace(&mut detector.excluded, excluded);
+    let levels = std::mem::replace(&mut detector.levels, effects.pair_levels().clone());
     let (now, apart) = (detector.pairs.clone(), detector.excluded.clone());
+    let at = detector.levels.clone();
     let world = detector.world();
     let present =
         |world: &PairWorld, (a, b): Pair| [a, b].iter().all(|&id| world.body(id).is_some());
@@ -310,6 +330,14 @@ fn relate_pairs(
     for (&(a, b), effects) in now.iter().filter(|(pair, effects)| pairs.get(pair) != Some(effects))
     {
         failure.note(world.set_pair_effects(a, b, effects));
+    }
+    for &(a, b) in levels.keys().filter(|pair| !at.contains_key(pair)) {
+        if present(world, (a, b)) {
+            failure.note(world.set_pair_accuracy(a, b, None));
+        }
+    }
+    for (&(a, b), &level) in at.iter().filter(|(pair, level)| levels.get(pair) != Some(level)) {
+        failure.note(world.set_pair_accuracy(a, b, Some(level)));
     }
     for &(a, b) in excluded.difference(&apart) {
         if present(world, (a, b)) {
@@ -333,6 +361,7 @@ fn forget_removed(
         let detector = &mut *detector;
         let others = |pair: &Pair| pair.0 != id && pair.1 != id;
         detector.pairs.retain(|pair, _| others(pair));
+        detector.levels.retain(|pair, _| others(pair));
         detector.excluded.retain(others);
         detector.supplied_poses.retain(|pair, _| others(pair));
         if detector.world().body(id).is_some() {

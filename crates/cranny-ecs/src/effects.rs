@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_ecs::prelude::*;
-use cranny_world::description::{BodyKind, Effect};
+use cranny_world::description::{Accuracy, BodyKind, Effect};
 use cranny_world::{BodyId, Layers};
 
 use crate::admission::{note_change, note_removal};
@@ -68,7 +68,7 @@ impl EffectKind {
     #[must_use]
     pub fn of(effect: &Effect) -> Option<Self> {
         match effect {
-            Effect::Trigger => Some(Self::Trigger),
+            Effect::Trigger { .. } => Some(Self::Trigger),
             Effect::Proximity { .. } => Some(Self::Proximity),
             Effect::Contacts { .. } => Some(Self::Contacts),
             Effect::Response => Some(Self::Response),
@@ -105,6 +105,24 @@ pub struct Proximity {
     /// Distance of surfaces up to which a pair is reported, > 0.
     pub within: f64,
 }
+
+/// How exactly the [`Trigger`] and the [`Proximity`] beside it are known; without it, at the level
+/// of the pair ([`PairAccuracy`]) or else of the app
+/// ([`CrannyPlugins::accuracy`](crate::CrannyPlugins::accuracy)). Of a pair the most exact level
+/// that somebody asks for counts, and other effects are exact.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct EffectAccuracy {
+    /// Of `Trigger`.
+    pub trigger: Option<Accuracy>,
+    /// Of `Proximity`.
+    pub proximity: Option<Accuracy>,
+}
+
+/// Beside a [`BodyPair`](crate::BodyPair): the level of the pair's effects that state none.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct PairAccuracy(pub Accuracy);
 
 /// `Contacts` for all pairs of a body, or for the pair whose entity has it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -162,9 +180,11 @@ pub struct ForceFeedback {
 
 /// What the components of an entity ask for.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
-    let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger);
+    let levels = entity.get::<EffectAccuracy>().copied().unwrap_or_default();
+    let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger { accuracy: levels.trigger });
     let proximity = entity.get::<Proximity>();
-    let proximity = proximity.map(|proximity| Effect::Proximity { within: proximity.within });
+    let proximity = proximity
+        .map(|&Proximity { within }| Effect::Proximity { within, accuracy: levels.proximity });
     let contacts = entity.get::<Contacts>();
     let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
     let response = entity.get::<Response>().map(|_| Effect::Response);
@@ -182,14 +202,24 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
 }
 
 /// Makes an entity ask for some effects more. Of two lengths and of two stiffnesses the larger
-/// counts, of two thresholds and two hardnesses the smaller.
+/// counts, of two thresholds and two hardnesses the smaller, of two levels the more exact; what
+/// states none is then at the app's.
 pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     for effect in effects {
         match *effect {
-            Effect::Trigger => drop(entity.insert(Trigger)),
-            Effect::Proximity { within } => {
-                let before = entity.get::<Proximity>().map_or(within, |p| p.within);
-                entity.insert(Proximity { within: within.max(before) });
+            Effect::Trigger { accuracy } => {
+                let was_there = entity.contains::<Trigger>();
+                let levels = entity.get::<EffectAccuracy>().copied().unwrap_or_default();
+                let trigger = joined(entity, was_there.then_some(levels.trigger), accuracy);
+                state(entity, EffectAccuracy { trigger, ..levels });
+                entity.insert(Trigger);
+            }
+            Effect::Proximity { within, accuracy } => {
+                let before = entity.get::<Proximity>().map(|proximity| proximity.within);
+                let levels = entity.get::<EffectAccuracy>().copied().unwrap_or_default();
+                let proximity = joined(entity, before.map(|_| levels.proximity), accuracy);
+                state(entity, EffectAccuracy { proximity, ..levels });
+                entity.insert(Proximity { within: before.map_or(within, |b| b.max(within)) });
             }
             Effect::Contacts { margin } => {
                 let before = entity.get::<Contacts>().map_or(margin, |c| c.margin);
@@ -216,6 +246,23 @@ pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     }
 }
 
+/// The level of an effect that was asked for before and is again.
+fn joined(
+    entity: &EntityWorldMut<'_>,
+    before: Option<Option<Accuracy>>,
+    now: Option<Accuracy>,
+) -> Option<Accuracy> {
+    let Some(before) = before.filter(|before| *before != now) else { return now };
+    let unstated = entity.world().resource::<EffectTable>().accuracy();
+    Some(before.unwrap_or(unstated).join(now.unwrap_or(unstated)))
+}
+
+fn state(entity: &mut EntityWorldMut<'_>, levels: EffectAccuracy) {
+    if levels != EffectAccuracy::default() {
+        entity.insert(levels);
+    }
+}
+
 /// What yields more.
 fn softer(one: Deformation, other: Deformation) -> Deformation {
     if other.hardness < one.hardness { other } else { one }
@@ -230,8 +277,13 @@ pub struct EffectTable {
     /// Effects whose plugins the app has.
     plugged: BTreeSet<EffectKind>,
     scene: Vec<Effect>,
+    /// Level of what states none.
+    accuracy: Accuracy,
+    budget: Option<u64>,
     bodies: BTreeMap<BodyId, BodyEffects>,
     pairs: BTreeMap<Pair, Vec<Effect>>,
+    /// Levels of single pairs.
+    levels: BTreeMap<Pair, Accuracy>,
     excluded: BTreeSet<Pair>,
     /// Bodies that ask for `Response` themselves.
     responding: BTreeSet<BodyId>,
@@ -255,6 +307,11 @@ impl EffectTable {
         let of_scene = scene.iter().filter_map(EffectKind::of);
         let plugged = of_scene.chain(plugged).collect();
         Self { plugged, scene: scene.to_vec(), ..Self::default() }
+    }
+
+    /// With a level for what states none, and a budget for a step.
+    pub(crate) fn at(self, accuracy: Accuracy, budget: Option<u64>) -> Self {
+        Self { accuracy, budget, ..self }
     }
 
     /// Takes in what a body asks for, in place of what it asked for before.
@@ -288,17 +345,20 @@ impl EffectTable {
         self.bodies.remove(&body);
         self.responding.remove(&body);
         self.pairs.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.levels.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.excluded.retain(|pair| pair.0 != body && pair.1 != body);
     }
 
-    /// What is asked about pairs, and which never meet, in place of what was so before.
+    /// What is asked about pairs, at which levels, and which never meet, in place of what was so
+    /// before.
     pub(crate) fn set_pairs(
         &mut self,
         pairs: BTreeMap<Pair, Vec<Effect>>,
+        levels: BTreeMap<Pair, Accuracy>,
         excluded: BTreeSet<Pair>,
     ) {
-        if (&pairs, &excluded) != (&self.pairs, &self.excluded) {
-            (self.pairs, self.excluded) = (pairs, excluded);
+        if (&pairs, &levels, &excluded) != (&self.pairs, &self.levels, &self.excluded) {
+            (self.pairs, self.levels, self.excluded) = (pairs, levels, excluded);
             self.revision += 1;
         }
     }
@@ -368,6 +428,41 @@ impl EffectTable {
         self.pairs.iter().map(|(&pair, effects)| (pair, &**effects))
     }
 
+    /// The level of effects that state none, where their pair states none either.
+    #[must_use]
+    pub fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    /// Elementary tests that a step may take for pairs with `Trigger` and `Proximity` alone, all
+    /// together; `None`: as many as they need.
+    #[must_use]
+    pub fn budget(&self) -> Option<u64> {
+        self.budget
+    }
+
+    /// Levels of single pairs, the lower id first.
+    pub(crate) fn pair_levels(&self) -> &BTreeMap<Pair, Accuracy> {
+        &self.levels
+    }
+
+    /// The level at which `Trigger` and `Proximity` of a pair are known; `None` where nobody asks
+    /// for either.
+    #[must_use]
+    pub fn accuracy_of(&self, a: BodyId, b: BodyId) -> Option<Accuracy> {
+        let unstated = self.levels.get(&ordered(a, b)).copied().unwrap_or(self.accuracy);
+        let mut read = self.of_pair(a, b).filter(|(effect, _)| effect.has_levels()).peekable();
+        read.peek()?;
+        let is_there = |effect: &Effect| !(effect.pushes() && self.is_sensed(a, b));
+        let asked = self.of_pair(a, b).filter(|(effect, _)| is_there(effect));
+        asked.map(|(effect, _)| effect.level(unstated)).reduce(Accuracy::join)
+    }
+
+    /// Whether one of two bodies is a sensor.
+    fn is_sensed(&self, a: BodyId, b: BodyId) -> bool {
+        [a, b].into_iter().any(|id| self.bodies.get(&id).is_some_and(|body| body.sensor))
+    }
+
     /// Pairs that never meet, the lower id first.
     pub fn excluded(&self) -> impl ExactSizeIterator<Item = (BodyId, BodyId)> {
         self.excluded.iter().copied()
@@ -416,7 +511,7 @@ impl EffectTable {
             .flat_map(|id| self.of_body(id).iter().map(move |e| (e, AskedBy::Body(id))));
         let own = own.iter().map(|e| (e, AskedBy::Pair));
         let meets = self.may_meet(a, b);
-        let sensor = [a, b].into_iter().any(|id| self.bodies.get(&id).is_some_and(|b| b.sensor));
+        let sensor = self.is_sensed(a, b);
         let all = scene.chain(bodies).chain(own);
         let pushes =
             |effect: &Effect| matches!(effect, Effect::Response | Effect::ForceFeedback { .. });
@@ -433,7 +528,7 @@ impl EffectTable {
     #[must_use]
     pub fn proximity(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let distances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
-            Effect::Proximity { within } => Some(within),
+            Effect::Proximity { within, .. } => Some(within),
             _ => None,
         });
         distances.reduce(f64::max)

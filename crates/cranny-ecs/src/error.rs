@@ -57,6 +57,24 @@ pub enum SceneAppError {
         /// The one that is missing.
         needs: &'static str,
     },
+    /// A level or a budget for pairs that are exact, because of another effect.
+    #[error(
+        "{what} changes nothing: {effect} needs exact contacts of the same pairs. Take it out, or name {effect} for single bodies or pairs instead"
+    )]
+    NotAtLevel {
+        /// What is stated, and whose it is.
+        what: String,
+        /// The effect that needs exact contacts.
+        effect: &'static str,
+    },
+    /// A level or a budget where nothing can be known at one.
+    #[error(
+        "{what} changes nothing: only Trigger and Proximity are known at a level or within a budget, and neither is named. Name one, or take it out"
+    )]
+    NoLevels {
+        /// What is stated, and whose it is.
+        what: String,
+    },
     /// A path on a body that is not kinematic.
     #[error(
         "body '{body}' has a path, but is not kinematic: make it kinematic, or leave the path out"

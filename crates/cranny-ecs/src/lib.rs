@@ -57,6 +57,7 @@ mod force_feedback;
 mod hooks;
 mod joints;
 mod kinematics;
+mod levels;
 mod links;
 mod motion;
 mod outputs;
@@ -100,14 +101,15 @@ pub use contacts::{
 };
 #[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
-pub use cranny_world::{BodyId, ContactFields};
+pub use cranny_world::description::Accuracy;
+pub use cranny_world::{BodyId, ContactFields, PairEstimate, Verdict};
 #[cfg(feature = "rapier")]
 pub use deformation::{DeformationPlugin, DeformationSystems, Dented};
 pub use detection::{Detected, DetectionSystems, Detector};
 pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
 pub use effects::{
-    AskedBy, Contacts, Continuous, Deformation, EffectKind, EffectTable, ForceFeedback,
-    Penetration, Proximity, Response, Sound, Trigger,
+    AskedBy, Contacts, Continuous, Deformation, EffectAccuracy, EffectKind, EffectTable,
+    ForceFeedback, PairAccuracy, Penetration, Proximity, Response, Sound, Trigger,
 };
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
@@ -164,11 +166,11 @@ pub use spatial::{
 };
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
-    LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
-    TriggerSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
+    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
+    Skipped, TriggerSummary,
 };
-pub use tally::{Contained, DeepestSoFar, Series, Tally};
+pub use tally::{Contained, DeepestSoFar, EstimateTally, Series, Tally};
 pub use trigger::{
     CollisionEnd, CollisionStart, Fired, TouchingBodies, TriggerLog, TriggerPlugin, TriggerSystems,
 };
@@ -176,15 +178,15 @@ pub use trigger::{
 /// What most bevy apps want.
 pub mod prelude {
     pub use crate::{
-        AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, Collision,
-        CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
+        Accuracy, AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider,
+        Collision, CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
         Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Deformation,
-        Density, EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin,
-        ForceFeedback, ForceFeedbackReport, Friction, GravityScale, Joint, LinearVelocity,
-        LockedAxes, NeverMeet, Penetration, PenetrationReport, PluginOptions, Proximity,
-        ProximityReport, ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime,
-        SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems,
-        TouchingBodies, Trigger, TriggerSystems,
+        Density, EffectAccuracy, EffectKind, ExternalForce, ExternalImpulse, Failure,
+        FixedUpdatePlugin, ForceFeedback, ForceFeedbackReport, Friction, GravityScale, Joint,
+        LinearVelocity, LockedAxes, NeverMeet, PairAccuracy, Penetration, PenetrationReport,
+        PluginOptions, Proximity, ProximityReport, ProximitySystems, Response, Restitution,
+        RigidBody, Sensor, SimulatedTime, SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter,
+        SpawnScene, StepSystems, TouchingBodies, Trigger, TriggerSystems,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{

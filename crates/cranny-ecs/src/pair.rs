@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-use cranny_world::description::Effect;
+use cranny_world::description::{Accuracy, Effect};
 
 use crate::admission::{Noted, note_change, note_removal};
 use crate::body::{Bodies, Body};
-use crate::effects::{EffectTable, Pair, effects_of, ordered};
+use crate::effects::{EffectTable, Pair, PairAccuracy, effects_of, ordered};
 use crate::error::{Failure, SceneAppError};
 
 /// A pair of bodies. Effects ([`Trigger`](crate::Trigger), [`Contacts`](crate::Contacts),
@@ -41,6 +41,7 @@ fn note_pairs(mut world: DeferredWorld<'_>, _: HookContext) {
 /// Says in the [`EffectTable`] what pair entities ask for.
 pub(crate) fn relate_pairs(world: &mut World) {
     let mut pairs: BTreeMap<Pair, Vec<Effect>> = BTreeMap::new();
+    let mut levels: BTreeMap<Pair, Accuracy> = BTreeMap::new();
     let mut excluded: BTreeSet<Pair> = BTreeSet::new();
     let mut missing = None;
     let Some(pair_id) = world.component_id::<BodyPair>() else { return };
@@ -69,6 +70,10 @@ pub(crate) fn relate_pairs(world: &mut World) {
         if pair.contains::<NeverMeet>() {
             excluded.insert(ordered(a, b));
         }
+        if let Some(&PairAccuracy(level)) = pair.get::<PairAccuracy>() {
+            let joined = levels.entry(ordered(a, b)).or_insert(level);
+            *joined = joined.join(level);
+        }
         if !effects.is_empty() {
             pairs.entry(ordered(a, b)).or_default().extend(effects);
         }
@@ -77,5 +82,5 @@ pub(crate) fn relate_pairs(world: &mut World) {
         let body = world.resource::<Bodies>().name(body).to_owned();
         world.resource_mut::<Failure>().set(SceneAppError::EffectNotPlugged { body, effect });
     }
-    world.resource_mut::<EffectTable>().set_pairs(pairs, excluded);
+    world.resource_mut::<EffectTable>().set_pairs(pairs, levels, excluded);
 }

@@ -36,6 +36,9 @@ pub struct Plan {
     pub schedules: Vec<PlannedSchedule>,
     /// Pairs, grouped by what is asked about them and why; the largest group first.
     pub pairs: Vec<PlannedPairs>,
+    /// Elementary tests that a step may take for triggers and distances, all together; `None`: as
+    /// many as they need.
+    pub budget: Option<u64>,
     /// Effects of which nothing is in the app: no system, component, message or resource.
     pub absent: Vec<AbsentEffect>,
 }
@@ -83,6 +86,9 @@ pub struct PlannedPairs {
     pub effects: Vec<String>,
     /// What is computed: the union of what is read, "solver contacts" for the solver.
     pub fields: Vec<&'static str>,
+    /// At which level `Trigger` and `Proximity` are known, "caps"; `None` where nobody asks for
+    /// either.
+    pub accuracy: Option<String>,
     /// Who detects them: "solver", "world", "solver and world" or "nobody".
     pub detected_by: &'static str,
     /// Who asks, or why nobody does.
@@ -209,6 +215,7 @@ impl Plan {
         Ok(Self {
             effects: effects.collect(),
             absent: absent.map(|&(name, why)| AbsentEffect { name, why }).collect(),
+            budget: table.budget(),
             pairs: pairs(&table, &bodies, readers.fields(), exact_solver(world)),
             schedules,
         })
@@ -304,8 +311,8 @@ fn read_by(readers: &ContactReaders) -> Vec<String> {
     readers.iter().map(told).collect()
 }
 
-/// What is asked about a pair, what is computed for that, who detects it, and why.
-type Asked = (Vec<String>, Vec<&'static str>, &'static str, String);
+/// What is asked about a pair, what is computed for that, at which level, who detects it, and why.
+type Asked = (Vec<String>, Vec<&'static str>, Option<String>, &'static str, String);
 
 /// All pairs, grouped.
 fn pairs(
@@ -326,17 +333,13 @@ fn pairs(
             examples.push([a, b].map(|id| bodies.name(id).to_owned()));
         }
     }
-    let mut pairs: Vec<PlannedPairs> = groups
-        .into_iter()
-        .map(|((effects, fields, detected_by, why), (count, examples))| PlannedPairs {
-            count,
-            effects,
-            fields,
-            detected_by,
-            why,
-            examples,
-        })
-        .collect();
+    let mut pairs: Vec<PlannedPairs> =
+        groups
+            .into_iter()
+            .map(|((effects, fields, accuracy, detected_by, why), (count, examples))| {
+                PlannedPairs { count, effects, fields, accuracy, detected_by, why, examples }
+            })
+            .collect();
     pairs.sort_by_key(|group| std::cmp::Reverse(group.count));
     pairs
 }
@@ -381,7 +384,7 @@ fn group_of(
     exact_solver: bool,
 ) -> Asked {
     if !table.may_meet(a, b) {
-        return (Vec::new(), Vec::new(), "nobody", table.why_apart(a, b).to_owned());
+        return (Vec::new(), Vec::new(), None, "nobody", table.why_apart(a, b).to_owned());
     }
     let (mut effects, mut fields) = (Vec::new(), Vec::new());
     let mut reasons: Vec<String> = Vec::new();
@@ -432,5 +435,6 @@ fn group_of(
     };
     let why =
         if reasons.is_empty() { "nobody asks for anything".to_owned() } else { reasons.join("; ") };
-    (effects, fields, detected_by, why)
+    let accuracy = table.accuracy_of(a, b).map(|level| level.to_string());
+    (effects, fields, accuracy, detected_by, why)
 }

@@ -9,7 +9,7 @@ use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
 use cranny_geometry::{FaceId, Model};
 use cranny_world::ContactFields;
-use cranny_world::description::{BodyKind, Effect, SceneDescription};
+use cranny_world::description::{Accuracy, BodyKind, Effect, SceneDescription};
 
 use crate::admission::{AdmissionPlugin, admit_bodies};
 use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
@@ -19,6 +19,7 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::force_feedback::ForceFeedbackPlugin;
 use crate::kinematics::KinematicsPlugin;
+use crate::levels::{check_app_levels, check_levels};
 use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
 use crate::paths::PathPlugin;
@@ -81,7 +82,7 @@ impl PluginOptions {
 /// let cube = Collider::from_mesh(cranny_shapes::Cuboid { size: [1.0; 3] }.build()?)?;
 /// let mut app = App::new();
 /// // All bodies report where they begin to touch.
-/// app.add_plugins(CrannyPlugins::new(1.0 / 60.0)?.effects(&[Effect::Trigger])?);
+/// app.add_plugins(CrannyPlugins::new(1.0 / 60.0)?.effects(&[Effect::TRIGGER])?);
 /// app.world_mut().spawn((RigidBody::Fixed, cube.clone(), Transform::default()));
 /// app.world_mut().spawn((RigidBody::Kinematic, cube, Transform::from_xyz(0.5, 0.0, 0.0)));
 /// app.world_mut().run_schedule(CrannyStep);
@@ -92,6 +93,8 @@ pub struct CrannyPlugins {
     #[cfg_attr(not(feature = "rapier"), allow(dead_code, reason = "the solver reads it"))]
     gravity: DVec3,
     scene_effects: Vec<Effect>,
+    accuracy: Accuracy,
+    budget: Option<u64>,
     /// Effects that bodies and pairs may ask for besides.
     available: Vec<EffectKind>,
     options: PluginOptions,
@@ -123,6 +126,8 @@ impl CrannyPlugins {
             step,
             gravity: DVec3::new(0.0, 0.0, -9.81),
             scene_effects: Vec::new(),
+            accuracy: Accuracy::Exact,
+            budget: None,
             available: Vec::new(),
             options: PluginOptions::default(),
             scene: None,
@@ -155,6 +160,30 @@ impl CrannyPlugins {
     /// [`SceneAppError::MissingFeature`]: an effect that this program was built without.
     pub fn available(mut self, effects: &[EffectKind]) -> Result<Self, SceneAppError> {
         self.available = effects.to_vec();
+        self.checked()
+    }
+
+    /// The level of triggers and distances that state none, in place of `Exact`.
+    /// [`EffectAccuracy`](crate::EffectAccuracy) and [`PairAccuracy`](crate::PairAccuracy) state
+    /// levels of their own.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError::NotAtLevel`] where an effect of all bodies needs exact contacts.
+    pub fn accuracy(mut self, accuracy: Accuracy) -> Result<Self, SceneAppError> {
+        self.accuracy = accuracy;
+        self.checked()
+    }
+
+    /// Elementary tests that a step may take for pairs of which `Trigger` and `Proximity` alone are
+    /// asked, all together; `None`, as without it: as many as they need. What is left open is
+    /// narrowed in later steps.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError::NotAtLevel`] where an effect of all bodies needs exact contacts.
+    pub fn budget(mut self, budget: Option<u64>) -> Result<Self, SceneAppError> {
+        self.budget = budget;
         self.checked()
     }
 
@@ -194,6 +223,7 @@ impl CrannyPlugins {
         options: &PluginOptions,
     ) -> Result<Self, SceneAppError> {
         let spawn = SpawnScene::new(scene)?.with_known_effects();
+        check_levels(scene)?;
         let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
         let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
         let available: Vec<EffectKind> =
@@ -202,7 +232,8 @@ impl CrannyPlugins {
         let mut options = options.clone();
         let size = || typical_size(scene, spawn.models());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
-        Ok(Self { gravity: scene.gravity, options, scene: Some(spawn), ..plugins })
+        let (gravity, accuracy, budget) = (scene.gravity, scene.accuracy, scene.budget);
+        Ok(Self { gravity, accuracy, budget, options, scene: Some(spawn), ..plugins })
     }
 
     fn checked(self) -> Result<Self, SceneAppError> {
@@ -212,11 +243,13 @@ impl CrannyPlugins {
         }
         let table = self.table();
         go_together(|kind| table.names(kind))?;
+        check_app_levels(&self.scene_effects, self.accuracy, self.budget)?;
         Ok(self)
     }
 
     fn table(&self) -> EffectTable {
         EffectTable::new(&self.scene_effects, self.available.iter().copied())
+            .at(self.accuracy, self.budget)
     }
 
     /// Whether the app will have the plugin of an effect.
@@ -337,16 +370,18 @@ fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> 
     }
 }
 
-/// Whether the effects that a scene, its bodies and its pairs name go together.
+/// Whether the effects that a scene, its bodies and its pairs name go together, and with the levels
+/// and the budget that it states.
 ///
 /// # Errors
 ///
-/// [`SceneAppError::NeedsEffect`].
+/// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`].
 pub fn check_effects(scene: &SceneDescription) -> Result<(), SceneAppError> {
     let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
     let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
     let all = || scene.effects.iter().chain(of_bodies.clone()).chain(of_pairs.clone());
-    go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))
+    go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))?;
+    check_levels(scene)
 }
 
 /// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a

@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use cranny_exact::DVec3;
-use cranny_world::BodyId;
+use cranny_world::{BodyId, StepReport};
 
 use crate::body::Bodies;
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
@@ -41,21 +41,25 @@ pub struct ProximityPair {
     pub other: Entity,
     /// Their stable ids, in the same order.
     pub ids: [BodyId; 2],
-    /// Between the surfaces, units of length, >= 0: 0 where they meet.
+    /// Between the surfaces, units of length, >= 0: 0 where they meet. At a level or within a
+    /// budget, the least that it can be.
     pub distance: f64,
-    /// A point of each that realises it, world coordinates.
-    pub points: [DVec3; 2],
+    /// The most that the distance can be: `distance`, but at a level or within a budget.
+    pub at_most: f64,
+    /// A point of each that realises `distance`, world coordinates; at a level or within a budget,
+    /// the nearest that were tested in this step. `None` where a budget left no test for the pair.
+    pub points: Option<[DVec3; 2]>,
     /// How fast the points approach each other, units of length / second: < 0 where they part, 0
     /// where the surfaces meet.
-    pub speed: f64,
+    pub speed: Option<f64>,
 }
 
 impl ProximityPair {
     /// Seen from the other body.
     #[must_use]
     pub fn flipped(self) -> Self {
-        let ([a, b], [p, q]) = (self.ids, self.points);
-        Self { body: self.other, other: self.body, ids: [b, a], points: [q, p], ..self }
+        let ([a, b], points) = (self.ids, self.points.map(|[p, q]| [q, p]));
+        Self { body: self.other, other: self.body, ids: [b, a], points, ..self }
     }
 }
 
@@ -104,17 +108,43 @@ fn report_distances(
     let _running = stopwatch.start(EffectKind::Proximity);
     report.step = time.steps();
     report.pairs.clear();
-    for pair in detected.report.iter().flat_map(|report| &report.answers) {
-        let ids = [pair.a, pair.b];
-        let Some(within) = effects.proximity(pair.a, pair.b) else { continue };
-        let near = pair.answer.distance.filter(|distance| *distance < within);
-        let (Some(distance), Some(witnesses)) = (near, pair.answer.witnesses) else { continue };
-        let points = witnesses.map(|witness| witness.point);
-        let way = (points[1] - points[0]).normalize_or_zero();
-        let [of_a, of_b] = [0, 1].map(|k| velocities.at(&bodies, ids[k], points[k]));
-        let entities = ids.map(|id| bodies.entity(id));
-        let [Some(body), Some(other)] = entities else { continue };
-        let speed = (of_a - of_b).dot(way);
-        report.pairs.push(ProximityPair { body, other, ids, distance, points, speed });
+    for found in detected.report.iter().flat_map(distances) {
+        let Found { ids, distance, at_most, points } = found;
+        let within = effects.proximity(ids[0], ids[1]);
+        let [Some(body), Some(other)] = ids.map(|id| bodies.entity(id)) else { continue };
+        if within.is_none_or(|within| distance >= within) {
+            continue;
+        }
+        let speed = points.map(|points| {
+            let way = (points[1] - points[0]).normalize_or_zero();
+            let [of_a, of_b] = [0, 1].map(|k| velocities.at(&bodies, ids[k], points[k]));
+            (of_a - of_b).dot(way)
+        });
+        report.pairs.push(ProximityPair { body, other, ids, distance, at_most, points, speed });
     }
+    report.pairs.sort_by_key(|pair| pair.ids);
+}
+
+/// What is known of a distance.
+struct Found {
+    ids: [BodyId; 2],
+    distance: f64,
+    at_most: f64,
+    points: Option<[DVec3; 2]>,
+}
+
+/// The distances that a step found, exact ones first.
+fn distances(report: &StepReport) -> impl Iterator<Item = Found> {
+    let exact = report.answers.iter().filter_map(|pair| {
+        let (distance, witnesses) = pair.answer.distance.zip(pair.answer.witnesses)?;
+        let points = Some(witnesses.map(|witness| witness.point));
+        Some(Found { ids: [pair.a, pair.b], distance, at_most: distance, points })
+    });
+    let estimated = report.estimates.iter().map(|pair| Found {
+        ids: [pair.a, pair.b],
+        distance: pair.separation.lo,
+        at_most: pair.separation.hi,
+        points: pair.points,
+    });
+    exact.chain(estimated)
 }

@@ -49,7 +49,7 @@ pub struct FrameRecorder {
     /// Step and times at the latest frame.
     measured: (u64, PhaseTimes),
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
-    events: Vec<(String, String, PairEventKind)>,
+    events: Vec<(String, String, PairEventKind, bool)>,
     /// What is shown of each body.
     shown: BTreeMap<BodyId, (Model, Option<Arc<Mesh>>)>,
 }
@@ -69,7 +69,9 @@ impl FrameRecorder {
         events.sort_unstable();
         self.events.extend(events.into_iter().map(|event| {
             let [a, b] = [event.a, event.b].map(|id| records.name(id).to_owned());
-            (a, b, event.kind)
+            let began = event.kind == PairEventKind::Began;
+            let open = began && report.is_some_and(|report| report.is_open(event.a, event.b));
+            (a, b, event.kind, open)
         }));
     }
 
@@ -326,7 +328,10 @@ fn record(
             b: records.name(d.b),
         });
     }
-    frame.events = events.iter().map(|(a, b, kind)| RecordedEvent { a, b, kind: *kind }).collect();
+    let recorded = events.iter();
+    frame.events = recorded
+        .map(|(a, b, kind, open)| RecordedEvent { a, b, kind: *kind, open: *open })
+        .collect();
     frame.contacts = contacts
         .iter()
         .flat_map(|contacts| &contacts.pairs)

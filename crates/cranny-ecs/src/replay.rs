@@ -16,7 +16,7 @@ use cranny_record::{
     DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
 };
 use cranny_world::description::{
-    BodyDescription, BodyKind, Material, Normals, RecordDescription, SceneDescription,
+    Accuracy, BodyDescription, BodyKind, Material, Normals, RecordDescription, SceneDescription,
 };
 use thiserror::Error;
 
@@ -297,6 +297,8 @@ impl Replay {
             joints: Vec::new(),
             excluded_pairs: Vec::new(),
             effects: Vec::new(),
+            accuracy: Accuracy::Exact,
+            budget: None,
             pairs: Vec::new(),
             cameras: Vec::new(),
             record: RecordDescription::default(),

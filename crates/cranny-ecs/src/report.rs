@@ -12,11 +12,11 @@ use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
-    LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
-    TriggerSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
+    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
+    Skipped, TriggerSummary,
 };
-use crate::tally::{DeepestSoFar, Series, Tally};
+use crate::tally::{DeepestSoFar, EstimateTally, Series, Tally};
 use crate::trigger::{Fired, TriggerLog};
 
 /// What is known of a run before it begins, and whether it was broken off.
@@ -25,6 +25,8 @@ pub(crate) struct RunFacts {
     pub(crate) scene: String,
     pub(crate) scene_hash: String,
     pub(crate) detector: String,
+    pub(crate) accuracy: String,
+    pub(crate) budget: Option<u64>,
     pub(crate) threads: u32,
     pub(crate) seed: u64,
     pub(crate) skipped: Vec<Skipped>,
@@ -87,7 +89,8 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         version: 1,
         scene: facts.scene,
         scene_hash: facts.scene_hash,
-        accuracy: (facts.detector == "cranny").then(|| "exact".to_owned()),
+        accuracy: (facts.detector == "cranny").then_some(facts.accuracy),
+        budget: facts.budget,
         detector: facts.detector,
         threads: facts.threads,
         seed: facts.seed,
@@ -99,6 +102,8 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         time_ms: times,
         pairs: count(&tally.pairs),
         pairs_found: pairs_found(world, &tally),
+        tests: (tally.tests != Series::default()).then(|| count(&tally.tests)),
+        estimates: tally.estimates.map(estimated),
         contacts: count(&tally.contacts),
         deepest,
         first_overlap: tally.first_overlap.map(overlap),
@@ -145,10 +150,11 @@ fn joints(_: &World) -> Vec<JointSummary> {
 fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
     let name = |id| bodies.name(id).to_owned();
     let log = world.get_resource::<TriggerLog>().into_iter().flat_map(TriggerLog::pairs);
-    log.map(|((a, b), Fired { times, step })| TriggerSummary {
+    log.map(|((a, b), Fired { times, open, step })| TriggerSummary {
         a: name(a),
         b: name(b),
         times,
+        open,
         step,
     })
     .collect()
@@ -157,6 +163,16 @@ fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
 fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {
     let log = world.get_resource::<MotionLog>().into_iter().flat_map(MotionLog::left);
     log.map(|(body, step)| LeftSummary { body: bodies.name(body).to_owned(), step }).collect()
+}
+
+fn estimated(tally: EstimateTally) -> EstimateSummary {
+    EstimateSummary {
+        pairs: count(&tally.pairs),
+        certain: tally.pairs.mean() - tally.open.mean(),
+        open: count(&tally.open),
+        unsettled: count(&tally.unsettled),
+        tests: count(&tally.tests),
+    }
 }
 
 fn count(series: &Series) -> CountSummary {

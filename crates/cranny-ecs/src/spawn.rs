@@ -7,12 +7,12 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
-use cranny_world::description::{BodyDescription, BodyKind, Normals, SceneDescription};
+use cranny_world::description::{BodyDescription, BodyKind, Effect, Normals, SceneDescription};
 
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
 use crate::collider::{Collider, VisualMesh};
-use crate::effects::{EffectKind, EffectTable, add_effects};
+use crate::effects::{EffectKind, EffectTable, PairAccuracy, add_effects};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
@@ -55,8 +55,9 @@ impl LayerNames {
 /// # #[derive(Resource)] struct Pile(cranny_ecs::SpawnScene);
 /// ```
 ///
-/// Its bodies, joints, pairs and effects become entities and components; gravity, step and cameras
-/// stay those of the app. What the scene asks for all bodies, each of its bodies asks for.
+/// Its bodies, joints, pairs and effects become entities and components; gravity, step, budget and
+/// cameras stay those of the app. What the scene asks for all bodies, each of its bodies asks for,
+/// at the scene's level; other effects that state no level are at the app's.
 #[derive(Clone, Debug)]
 pub struct SpawnScene {
     scene: Arc<SceneDescription>,
@@ -101,7 +102,11 @@ impl SpawnScene {
             self.scene.bodies.iter().map(|body| &*body.name).zip(bodies.iter().copied()).collect();
         for pair in &self.scene.pairs {
             let (a, b) = (names[&*pair.a], names[&*pair.b]);
-            add_effects(&mut world.spawn(BodyPair { a, b }), &pair.effects);
+            let mut entity = world.spawn(BodyPair { a, b });
+            add_effects(&mut entity, &pair.effects);
+            if let Some(level) = pair.accuracy {
+                entity.insert(PairAccuracy(level));
+            }
         }
         bodies
     }
@@ -171,7 +176,10 @@ impl SpawnScene {
         }
         add_effects(&mut entity, &body.effects);
         if !self.effects_known {
-            add_effects(&mut entity, &self.scene.effects);
+            let level = |effect: &Effect| effect.stated_level().unwrap_or(self.scene.accuracy);
+            let stating: Vec<Effect> =
+                self.scene.effects.iter().map(|e| e.stating(Some(level(e)))).collect();
+            add_effects(&mut entity, &stating);
         }
         entity.insert(Collider::from(&self.models[index])).id()
     }

@@ -15,8 +15,12 @@ pub struct RunSummary {
     pub scene_hash: String,
     /// Who detected contacts.
     pub detector: String,
-    /// How exactly; `None` for rapier's own detectors, which state nothing.
+    /// How exactly: the levels that the scene's effects have, the coarsest first, "hulls, exact";
+    /// `None` for rapier's own detectors, which state nothing.
     pub accuracy: Option<String>,
+    /// Elementary tests that a step may take for triggers and distances; `None`: as many as they
+    /// need.
+    pub budget: Option<u64>,
     /// Threads used.
     pub threads: u32,
     /// The scene's seed.
@@ -38,6 +42,11 @@ pub struct RunSummary {
     /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None`
     /// without it or a solver.
     pub pairs_found: Option<PairsFound>,
+    /// Elementary tests of a step for the pairs that our detector examines, where no solver
+    /// detects; `None` with one.
+    pub tests: Option<CountSummary>,
+    /// Of pairs known at a level or within the budget; `None` where there were none.
+    pub estimates: Option<EstimateSummary>,
     /// Contact points of a step: those that the solver got, or those reported where there is none.
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
@@ -89,6 +98,21 @@ pub struct CountSummary {
     pub max: u64,
 }
 
+/// What was known at a level or within a budget, over the steps that had such pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct EstimateSummary {
+    /// Pairs of a step.
+    pub pairs: CountSummary,
+    /// Of these, pairs of which it was certain whether they touched.
+    pub certain: f64,
+    /// Those of which it was open, which counted as touching.
+    pub open: CountSummary,
+    /// Pairs of which a larger budget would have told more.
+    pub unsettled: CountSummary,
+    /// Elementary tests that they took.
+    pub tests: CountSummary,
+}
+
 /// How our detector found the solver's contacts: pairs a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PairsFound {
@@ -120,6 +144,9 @@ pub struct TriggerSummary {
     pub b: String,
     /// How often the two began to touch.
     pub times: u64,
+    /// Of these, those of which it was open whether they touched, at their level or within the
+    /// budget.
+    pub open: u64,
     /// Steps completed when they first did.
     pub step: u64,
 }

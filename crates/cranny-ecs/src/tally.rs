@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::Resource;
 use cranny_narrow_phase::Answer;
-use cranny_world::BodyId;
+use cranny_world::{BodyId, EstimateStats};
 
 /// Mean and maximum of a count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,6 +62,28 @@ pub struct Contained {
     pub steps: u64,
 }
 
+/// What was known of pairs at a level or within a budget.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EstimateTally {
+    /// Pairs estimated in a step, in steps that had any.
+    pub pairs: Series,
+    /// Of these, pairs whose verdict was open.
+    pub open: Series,
+    /// Pairs of which a larger budget would have told more.
+    pub unsettled: Series,
+    /// Elementary tests that they took.
+    pub tests: Series,
+}
+
+impl EstimateTally {
+    pub(crate) fn push(&mut self, step: &EstimateStats) {
+        self.pairs.push(step.pairs);
+        self.open.push(step.open);
+        self.unsettled.push(step.unsettled);
+        self.tests.push(step.tests as usize);
+    }
+}
+
 /// Sums and extremes over a run.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
@@ -73,6 +95,11 @@ pub struct Tally {
     pub searched: Series,
     /// Contact points of a step: those that the solver got where there is one, else those reported.
     pub contacts: Series,
+    /// Elementary tests of a step for the pairs that the world detects: of boxes, of triangles, of
+    /// points against solids. Empty where a solver detects.
+    pub tests: Series,
+    /// Of pairs known at a level or within a budget; `None` where there were none.
+    pub estimates: Option<EstimateTally>,
     /// Among exact answers.
     pub deepest: Option<DeepestSoFar>,
     /// Of the first exact answer with a depth.

@@ -47,6 +47,9 @@ pub struct CollisionStart {
     /// [`Response`](crate::Response) or [`Contacts`](crate::Contacts). `None` for pairs with
     /// [`Trigger`](crate::Trigger) alone, of which nothing but the verdict is computed.
     pub contact: Option<CollisionContact>,
+    /// Whether they certainly touch. At a level or within a budget it may be open whether they do;
+    /// then it counts as touching, so that no level misses a collision.
+    pub is_certain: bool,
 }
 
 impl CollisionStart {
@@ -54,7 +57,7 @@ impl CollisionStart {
     #[must_use]
     pub fn flipped(self) -> Self {
         let ([a, b], contact) = (self.ids, self.contact.map(CollisionContact::flipped));
-        Self { body: self.other, other: self.body, ids: [b, a], contact }
+        Self { body: self.other, other: self.body, ids: [b, a], contact, ..self }
     }
 }
 
@@ -79,7 +82,9 @@ impl CollisionEnd {
     }
 }
 
-/// What a body touches now, by id, among the pairs that are asked for `Trigger`.
+/// What a body touches now, by id, among the pairs that are asked for `Trigger`, or may touch as
+/// far as is known: [`StepReport::estimates`](cranny_world::StepReport::estimates) of [`Detected`]
+/// say which verdicts are open.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct TouchingBodies(pub BTreeSet<BodyId>);
 
@@ -117,6 +122,8 @@ pub struct TriggerLog(BTreeMap<Pair, Fired>);
 pub struct Fired {
     /// Beginnings, >= 1.
     pub times: u64,
+    /// Of these, those of which it was open whether the two touched.
+    pub open: u64,
     /// Steps completed at the first.
     pub step: u64,
 }
@@ -132,8 +139,10 @@ impl TriggerLog {
         self.0.keys().any(|&(a, b)| a == body || b == body)
     }
 
-    fn note(&mut self, pair: Pair, step: u64) {
-        self.0.entry(pair).or_insert(Fired { times: 0, step }).times += 1;
+    fn note(&mut self, pair: Pair, step: u64, is_certain: bool) {
+        let fired = self.0.entry(pair).or_insert(Fired { times: 0, open: 0, step });
+        fired.times += 1;
+        fired.open += u64::from(!is_certain);
     }
 }
 
@@ -224,11 +233,13 @@ fn report_collisions(
     for &pair @ (id_a, id_b) in &triggered.changed {
         let (Some(a), Some(b)) = (bodies.entity(id_a), bodies.entity(id_b)) else { continue };
         if triggered.touching.contains(&pair) {
+            let is_certain = !report.is_open(pair.0, pair.1);
             if let Some(log) = &mut log {
-                log.note(pair, time.steps());
+                log.note(pair, time.steps(), is_certain);
             }
             let contact = beginnings.contact(&bodies, &report.answers, pair);
-            let start = CollisionStart { body: a, other: b, ids: [id_a, id_b], contact };
+            let start =
+                CollisionStart { body: a, other: b, ids: [id_a, id_b], contact, is_certain };
             starts.write(start);
             for start in [start, start.flipped()] {
                 if let Ok(mut set) = touching.get_mut(start.body) {

@@ -7,7 +7,7 @@ use std::fmt;
 /// Every level is conservative: none excludes what `Exact` finds. Levels differ in how much is
 /// certain at them. A level opens no node deeper than it says, but uses nodes that memory has
 /// opened before.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Accuracy {
     /// The boxes of the two bodies.
     Boxes,
@@ -62,6 +62,42 @@ impl fmt::Debug for Budget<'_> {
     }
 }
 
+impl Accuracy {
+    /// The coarser of the levels at which everything is certain that is certain at either: the
+    /// finer one, or `Exact` for `Tree` beside `Hulls` or `Caps`, of which neither knows all that
+    /// the other one does.
+    ///
+    /// ```
+    /// use cranny_estimate::Accuracy::{Boxes, Caps, Exact, Hulls, Tree};
+    ///
+    /// assert_eq!([Hulls.join(Caps), Tree(5).join(Tree(2))], [Caps, Tree(5)]);
+    /// assert_eq!([Boxes.join(Hulls), Hulls.join(Tree(9))], [Hulls, Exact]);
+    /// ```
+    #[must_use]
+    pub fn join(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Boxes | Self::Tree(0), finer) | (finer, Self::Boxes | Self::Tree(0)) => finer,
+            (Self::Hulls, Self::Hulls) => Self::Hulls,
+            (Self::Hulls | Self::Caps, Self::Hulls | Self::Caps) => Self::Caps,
+            (Self::Tree(a), Self::Tree(b)) => Self::Tree(a.max(b)),
+            _ => Self::Exact,
+        }
+    }
+}
+
+/// As the command names them: `boxes`, `hulls`, `caps`, `tree:3`, `exact`.
+impl fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Boxes => f.write_str("boxes"),
+            Self::Hulls => f.write_str("hulls"),
+            Self::Caps => f.write_str("caps"),
+            Self::Tree(depth) => write!(f, "tree:{depth}"),
+            Self::Exact => f.write_str("exact"),
+        }
+    }
+}
+
 /// How much may be spent on a pair. By default: all that it takes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Effort<'a> {
@@ -96,6 +132,8 @@ pub(crate) struct Meter<'a> {
     /// Tests since the clock was read; `None` before that.
     unread: Option<u64>,
     late: bool,
+    /// Tests were wanted and refused.
+    pub(crate) refused: bool,
 }
 
 /// Tests between two readings of the clock. Fewer: reading costs as much as the tests; more: the
@@ -104,11 +142,17 @@ const TESTS_A_READING: u64 = 32;
 
 impl<'a> Meter<'a> {
     pub(crate) fn of(budget: Budget<'a>) -> Self {
-        Self { budget, spent: 0, unread: None, late: false }
+        Self { budget, spent: 0, unread: None, late: false, refused: false }
     }
 
     /// Takes tests from the budget, if as many are left; returns whether they were.
     pub(crate) fn take(&mut self, tests: u64) -> bool {
+        let taken = self.try_take(tests);
+        self.refused |= !taken;
+        taken
+    }
+
+    fn try_take(&mut self, tests: u64) -> bool {
         match self.budget {
             Budget::Unlimited => true,
             Budget::Tests(_) => {
@@ -137,6 +181,17 @@ impl<'a> Meter<'a> {
             Budget::Unlimited => true,
             Budget::Tests(all) => all.saturating_sub(self.spent) >= tests,
             Budget::Until { .. } => !self.late,
+        }
+    }
+
+    /// Keeps tests back until they are given back, if twice as many are left; returns how many.
+    pub(crate) fn reserve(&mut self, tests: u64) -> u64 {
+        match self.budget {
+            Budget::Tests(_) if self.affords(2 * tests) => {
+                self.spent += tests;
+                tests
+            }
+            _ => 0,
         }
     }
 

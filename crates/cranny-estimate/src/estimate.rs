@@ -42,8 +42,9 @@ pub struct Estimate {
     /// `Regions`, where regions overlap, it holds minus the depth of the deepest, as
     /// [`Answer::separation`].
     pub separation: Interval,
-    /// A point on each surface, no farther apart than `separation.hi`, but for rounding; a common
-    /// point where surfaces are known to meet. `None` if no face and no vertex was tested.
+    /// A point on each surface, the nearest that were tested; a common point where surfaces are
+    /// known to meet. They are no farther apart than `separation.hi`, but for rounding, unless
+    /// memory knows a tighter bound. `None` if no face and no vertex was tested.
     pub witnesses: Option<[Witness; 2]>,
     /// For the demands `Contacts` and `Regions`: boxes that hold all points of the two surfaces
     /// that are shared or within the margin, nearest first. Empty if there is an `answer`.
@@ -52,6 +53,9 @@ pub struct Estimate {
     pub answer: Option<Answer>,
     /// Work done on trees, faces and points. Walks are counted by [`hull_steps`](Self::hull_steps).
     pub counters: Counters,
+    /// Whether the budget ended the work before the level did: with more of it, more may be
+    /// certain.
+    pub ended_by_budget: bool,
     /// Pairs of hull features and portals that a walk tested; 0 but for the levels
     /// [`Hulls`](crate::Accuracy::Hulls) and [`Caps`](crate::Accuracy::Caps).
     pub hull_steps: u64,
@@ -70,6 +74,7 @@ impl Estimate {
             places: Vec::new(),
             answer: None,
             counters: Counters::default(),
+            ended_by_budget: false,
             hull_steps: 0,
         }
     }
@@ -95,8 +100,17 @@ impl Estimate {
             witnesses: answer.witnesses,
             places: Vec::new(),
             counters: answer.counters,
+            ended_by_budget: false,
             hull_steps: 0,
             answer: Some(answer),
         }
+    }
+
+    /// Elementary tests that were made: of pairs of boxes and of triangles, of points against a
+    /// solid, and the steps of a walk.
+    #[must_use]
+    pub fn tests(&self) -> u64 {
+        let Counters { node_tests, triangle_tests, inside_tests, .. } = self.counters;
+        node_tests + triangle_tests + inside_tests + self.hull_steps
     }
 }

@@ -127,9 +127,16 @@ impl Estimator<'_, '_> {
             }
         };
         let (trees, findings) = (&self.trees, &mut self.findings);
-        let outrun = self.warm.outrun;
+        // Without a test left, a cut that was outrun stays for an estimate that has some.
+        let outrun = self.meter.affords(1) && std::mem::take(&mut self.warm.outrun);
+        // Without a verdict a distance above 0 excludes nothing: one body may lie in the other.
+        let reserved = match self.warm.apart {
+            None => self.meter.reserve(1 + point_tests(pair)),
+            Some(_) => 0,
+        };
         let cut = &mut self.warm.refinement;
         self.complete &= cut.refine(trees, &scope, findings, &mut self.meter, outrun);
+        self.meter.give_back(reserved);
         let least = cut.least(trees);
         self.warm.distance.lo = self.warm.distance.lo.max(least);
     }
@@ -177,10 +184,8 @@ impl Estimator<'_, '_> {
         if self.trees.boxes.apart(first, second, 0.0) {
             return Some(outside);
         }
-        let points = Side::BOTH.map(|side| pair.model(side).topology().components().len());
-        let tests = points.iter().sum::<usize>() as u64;
         let counters = &mut self.findings.counters;
-        self.meter.take(tests).then(|| Solidity::of_disjoint_surfaces(pair, counters))
+        self.meter.take(point_tests(pair)).then(|| Solidity::of_disjoint_surfaces(pair, counters))
     }
 
     fn sum_up(mut self, pair: &Pair, demand: Demand) -> Estimate {
@@ -223,6 +228,7 @@ impl Estimator<'_, '_> {
             places,
             answer: None,
             counters: self.findings.counters,
+            ended_by_budget: self.meter.refused,
             hull_steps: self.hull_steps,
         }
     }
@@ -236,6 +242,11 @@ impl Estimator<'_, '_> {
         // Both bounds are certain; where they are equal, rounding may exchange them.
         Interval { lo: self.warm.distance.lo.clamp(0.0, hi), hi }
     }
+}
+
+/// The most tests of points that containment takes: one for each component.
+fn point_tests(pair: &Pair) -> u64 {
+    Side::BOTH.map(|side| pair.model(side).topology().components().len() as u64).iter().sum()
 }
 
 /// An upper bound of the distance between any two points of the bodies, from their boxes.

@@ -21,7 +21,7 @@ pub(crate) struct WarmStart {
     pub(crate) refinement: Refinement,
     /// Holds the distance between the surfaces.
     pub(crate) distance: Interval,
-    /// The last motion was longer than the interval of the distance.
+    /// A motion since the last estimate with a budget was longer than the interval of the distance.
     pub(crate) outrun: bool,
     /// The solidity of surfaces that were certainly apart.
     pub(crate) apart: Option<Solidity>,
@@ -67,12 +67,11 @@ impl WarmStart {
     }
 
     fn advance(&mut self, pair: &Pair) {
-        self.outrun = false;
         let Some(motion) = RelativeMotion::since(&self.map, pair) else { return };
         self.map = *pair.first_from_second();
         let step = motion.step(pair.models());
         let Interval { lo, hi } = self.distance;
-        self.outrun = step > hi - lo;
+        self.outrun |= step > hi - lo;
         // Surfaces that do not meet on the screw that joins the poses change no containment.
         let way = motion.arc_over_chord().map_or(f64::INFINITY, |factor| factor * step);
         self.apart = self.apart.filter(|_| lo > way + 4.0 * pair.culling_error());

@@ -150,6 +150,8 @@ pub struct RecordedEvent<'a> {
     pub b: &'a str,
     /// What happened.
     pub kind: PairEventKind,
+    /// Of a beginning: whether it is open if the two touch.
+    pub open: bool,
 }
 
 /// The deepest overlap of a step.
@@ -199,10 +201,10 @@ impl<'a> Frame<'a> {
                 answer: &pair.answer,
             })
         });
-        let events = report
-            .events
-            .iter()
-            .map(|e| Ok(RecordedEvent { a: name(e.a)?, b: name(e.b)?, kind: e.kind }));
+        let events = report.events.iter().map(|e| {
+            let open = e.kind == PairEventKind::Began && report.is_open(e.a, e.b);
+            Ok(RecordedEvent { a: name(e.a)?, b: name(e.b)?, kind: e.kind, open })
+        });
         let deepest = report.stats.deepest;
         Ok(Self {
             step: report.step,

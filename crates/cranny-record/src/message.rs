@@ -192,6 +192,9 @@ pub struct EventMessage {
     pub a: String,
     /// Name of the other.
     pub b: String,
+    /// Of a beginning: `true` where it is open if the two touch, at their level or within a budget.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub open: bool,
     /// Of regions that split or merged: the one that goes on, by its id.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<u32>,
@@ -359,7 +362,7 @@ impl EventsMessage {
                 _ => [None; 2],
             };
             let kind = PairEventKind::name(e.kind).to_owned();
-            EventMessage { kind, a: e.a.to_owned(), b: e.b.to_owned(), region, other }
+            EventMessage { kind, a: e.a.to_owned(), b: e.b.to_owned(), open: e.open, region, other }
         };
         Self { step: frame.step, events: frame.events.iter().map(event).collect() }
     }

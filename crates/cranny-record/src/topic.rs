@@ -47,6 +47,10 @@ pub fn model(digest: &str) -> String {
 /// Key of the metadata record [`METADATA`]: names of the effects that the scene asks for.
 pub const EFFECTS_KEY: &str = "effects";
 
+/// Key of the same record: elementary tests that a step may take for triggers and distances; absent
+/// where they take as many as they need.
+pub const BUDGET_KEY: &str = "budget";
+
 /// Measure of `/stats`: milliseconds a step, mean since the frame before.
 pub const MS_BROAD: &str = "ms_broad";
 /// As [`MS_BROAD`], of the narrow phase.

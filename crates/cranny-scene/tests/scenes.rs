@@ -8,7 +8,8 @@ use cranny_scene::{
     LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
 };
 use cranny_world::description::{
-    BodyKind, CameraView, Effect, Interpolation, JointKind, Material, Motor, Normals, PathEnd,
+    Accuracy, BodyKind, CameraView, Effect, Interpolation, JointKind, Material, Motor, Normals,
+    PathEnd,
 };
 use miette::Diagnostic;
 
@@ -48,7 +49,7 @@ fn everything_in_a_scene_arrives() {
     assert_eq!(nut.material, Material { density: 2.0, friction: 0.0, restitution: 1.0 });
     assert_eq!(
         (nut.layers.as_slice(), nut.effects.as_slice()),
-        (&["a".to_owned(), "b".to_owned()][..], &[Effect::Trigger][..])
+        (&["a".to_owned(), "b".to_owned()][..], &[Effect::TRIGGER][..])
     );
     let mug = &scene.bodies[1];
     assert_eq!(
@@ -161,7 +162,7 @@ fn errors_name_line_column_and_what_was_expected() {
         ("kind: Fixed", "kind: Static", "line 5, column", "Unexpected variant named `Static`"),
         ("Cup()", "Mug()", "line 5, column", "Unexpected variant named `Mug`"),
         ("Cup()", "Cup(handle: 1)", "line 5, column", "Unexpected field named `handle`"),
-        ("Trigger()", "Trigger(margin: 1)", "line 4, column", "unexpected parameter margin"),
+        ("Trigger()", "Trigger(margin: 1)", "line 4, column", "Unexpected field named `margin`"),
         (
             "Contacts(margin: 0.05)",
             "Contacts(marge: 0.05)",
@@ -183,6 +184,46 @@ fn errors_name_line_column_and_what_was_expected() {
         assert!(text.starts_with("scene file test.ron, "), "{text}");
         assert!(text.contains(place) && text.contains(says), "{to}: {text}");
         assert_eq!(error.labels().unwrap().count(), 1);
+    }
+}
+
+#[test]
+fn levels_and_budgets_are_read() {
+    let text = "(bodies: [(name: \"a\", shape: Generator(Cuboid())), (name: \"b\", shape: Generator(Cuboid()))],
+        effects: [Trigger(), Trigger(accuracy: Hulls), Proximity(within: 2, accuracy: Tree(3))],
+        accuracy: Caps, budget: 500, pairs: [(a: \"a\", b: \"b\", accuracy: Boxes)])";
+    let scene = parse_scene(text.to_owned(), Path::new("s.ron"), &LoadOptions::default()).unwrap();
+    let scene = scene.description;
+    let hulls = Effect::Trigger { accuracy: Some(Accuracy::Hulls) };
+    let near = Effect::Proximity { within: 2.0, accuracy: Some(Accuracy::Tree(3)) };
+    assert_eq!(scene.effects, [Effect::TRIGGER, hulls, near]);
+    assert_eq!((scene.accuracy, scene.budget), (Accuracy::Caps, Some(500)));
+    assert_eq!(scene.pairs[0].accuracy, Some(Accuracy::Boxes));
+    assert_eq!(
+        scene.levels(),
+        [Accuracy::Boxes, Accuracy::Hulls, Accuracy::Caps, Accuracy::Tree(3)]
+    );
+    let mut at = scene;
+    at.set_accuracy(Accuracy::Exact);
+    assert_eq!((at.levels(), at.pairs[0].accuracy), (vec![Accuracy::Exact], None));
+    let refused = |text: &str| {
+        let parsed = parse_scene(text.to_owned(), Path::new("s.ron"), &LoadOptions::default());
+        parsed.err().unwrap().to_string()
+    };
+    for (text, says) in [
+        ("(accuracy: Perfect)", "Boxes"),
+        ("(accuracy: Tree(256))", "line 1"),
+        ("(accuracy: Tree())", "line 1"),
+        ("(budget: -1)", "line 1"),
+        ("(budget: 1.5)", "line 1"),
+        ("(effects: [Trigger(accuracy: Nice)])", "Hulls"),
+        ("(effects: [Contacts(accuracy: Hulls)])", "effect Contacts needs exact contacts"),
+        ("(effects: [Sound(above: 1, accuracy: Caps)])", "effect Sound needs exact contacts"),
+        ("(effects: [Response(accuracy: Caps)])", "effect Response needs exact contacts"),
+        ("(effects: [Penetration(accuracy: Exact)])", "Trigger and Proximity have one"),
+    ] {
+        let error = refused(text);
+        assert!(error.contains(says) && error.contains("line 1"), "{text}: {error}");
     }
 }
 

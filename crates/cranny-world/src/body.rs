@@ -34,6 +34,8 @@ pub struct BodySpec {
     pub kind: BodyKind,
     /// Which other bodies it may meet at all.
     pub layers: Layers,
+    /// Whether it is noticed and never pushes: a solver then has no part in its pairs.
+    pub sensor: bool,
     /// What is asked about it beyond the scene's effects.
     pub effects: Vec<Effect>,
 }
@@ -50,6 +52,7 @@ impl BodySpec {
             pose: Pose::IDENTITY,
             kind: BodyKind::Dynamic,
             layers: Layers::default(),
+            sensor: false,
             effects: Vec::new(),
         }
     }
@@ -63,6 +66,7 @@ pub struct Body {
     pub(crate) pose: Pose,
     pub(crate) kind: BodyKind,
     pub(crate) layers: Layers,
+    pub(crate) sensor: bool,
     pub(crate) effects: Vec<Effect>,
     /// What `effects` ask.
     pub(crate) wish: Wish,
@@ -97,6 +101,12 @@ impl Body {
     #[must_use]
     pub fn layers(&self) -> Layers {
         self.layers
+    }
+
+    /// Whether it never pushes.
+    #[must_use]
+    pub fn is_sensor(&self) -> bool {
+        self.sensor
     }
 
     /// What is asked about it beyond the scene's effects.

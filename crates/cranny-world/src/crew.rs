@@ -5,15 +5,16 @@
 
 use std::num::NonZeroUsize;
 
-use cranny_narrow_phase::{Answer, Mismatch, PairMemory, Query, QueryError, query, query_verified};
+use cranny_narrow_phase::{Answer, Mismatch, Query, QueryError, query, query_verified};
 
 use crate::body::Body;
+use crate::estimates::PairState;
 
 /// One pair, on its way to an answer.
 pub(crate) struct Job<'w> {
     pub(crate) bodies: [&'w Body; 2],
     pub(crate) query: Query,
-    pub(crate) memory: PairMemory,
+    pub(crate) state: PairState,
     /// Whether it is answered without memory as well.
     pub(crate) verify: bool,
 }
@@ -22,12 +23,14 @@ pub(crate) struct Job<'w> {
 pub(crate) type Verified = (Answer, Option<Box<Mismatch>>);
 
 impl Job<'_> {
-    fn answer(&mut self) -> Result<Verified, QueryError> {
+    /// The answer.
+    pub(crate) fn answer(&mut self) -> Result<Verified, QueryError> {
         let [a, b] = self.bodies.map(|body| body.placed());
+        let memory = self.state.memory.queries();
         if self.verify {
-            return query_verified(a, b, &self.query, &mut self.memory);
+            return query_verified(a, b, &self.query, memory);
         }
-        query(a, b, &self.query, &mut self.memory).map(|answer| (answer, None))
+        query(a, b, &self.query, memory).map(|answer| (answer, None))
     }
 }
 
@@ -60,15 +63,19 @@ impl Crew {
         Err("this program was built without the feature `parallel` of cranny-world".into())
     }
 
-    /// Answers all jobs, in their order.
-    pub(crate) fn answer(&self, jobs: &mut [Job]) -> Vec<Result<Verified, QueryError>> {
+    /// Does something with each of many, and returns what came of it, in their order.
+    pub(crate) fn each<J: Send, R: Send>(
+        &self,
+        jobs: &mut [J],
+        work: impl Fn(&mut J) -> R + Sync + Send,
+    ) -> Vec<R> {
         #[cfg(feature = "parallel")]
         if let Some(pool) = &self.pool {
             use rayon::prelude::*;
             // One by one: pairs differ in cost by orders of magnitude.
-            return pool.install(|| jobs.par_iter_mut().with_max_len(1).map(Job::answer).collect());
+            return pool.install(|| jobs.par_iter_mut().with_max_len(1).map(work).collect());
         }
-        jobs.iter_mut().map(Job::answer).collect()
+        jobs.iter_mut().map(work).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use cranny_narrow_phase::Fields;
 
-use crate::description::Effect;
+use crate::description::{Accuracy, Effect};
 use crate::error::WorldError;
 
 /// What of the effect `Contacts` somebody reads; the effect says for which pairs, and how far
@@ -73,6 +73,43 @@ pub(crate) struct Wish {
     within: Option<f64>,
     /// The margin of `Contacts`.
     contacts: Option<f64>,
+    levels: Levels,
+}
+
+/// At which level a list of effects wants answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Levels {
+    /// The level that triggers and distances state.
+    stated: Option<Accuracy>,
+    /// Some of them state none.
+    unstated: bool,
+    /// Some effect needs exact contacts.
+    exact: bool,
+    /// Some effect works on what the solver does, which needs exact contacts where there is one.
+    pushes: bool,
+}
+
+impl Levels {
+    fn of(effect: &Effect) -> Self {
+        let stated = effect.stated_level();
+        let (pushes, has_levels) = (effect.pushes(), effect.has_levels());
+        Self {
+            stated,
+            unstated: has_levels && stated.is_none(),
+            exact: !has_levels && !pushes,
+            pushes,
+        }
+    }
+
+    fn join(self, other: Self) -> Self {
+        let both = self.stated.zip(other.stated).map(|(a, b)| a.join(b));
+        Self {
+            stated: both.or(self.stated).or(other.stated),
+            unstated: self.unstated || other.unstated,
+            exact: self.exact || other.exact,
+            pushes: self.pushes || other.pushes,
+        }
+    }
 }
 
 impl Wish {
@@ -86,12 +123,13 @@ impl Wish {
     ) -> Result<Self, WorldError> {
         let mut wish = Self::default();
         for effect in effects {
+            wish.levels = wish.levels.join(Levels::of(effect));
             wish = wish.join(match *effect {
-                Effect::Trigger => Self { verdict: true, ..Self::default() },
-                Effect::Proximity { within } if within.is_finite() && within > 0.0 => {
+                Effect::Trigger { .. } => Self { verdict: true, ..Self::default() },
+                Effect::Proximity { within, .. } if within.is_finite() && within > 0.0 => {
                     Self { within: Some(within), ..Self::default() }
                 }
-                Effect::Proximity { within } => {
+                Effect::Proximity { within, .. } => {
                     return Err(WorldError::Proximity { owner: owner(), within });
                 }
                 Effect::Contacts { margin } if margin.is_finite() && margin >= 0.0 => {
@@ -127,7 +165,25 @@ impl Wish {
             overlap: self.overlap || other.overlap,
             within: larger(self.within, other.within),
             contacts: larger(self.contacts, other.contacts),
+            levels: self.levels.join(other.levels),
         }
+    }
+
+    /// The level of a pair: the most exact of those that are asked for, where what states none is
+    /// at `unstated`, and what needs contacts is exact. With a `sensor` nobody pushes.
+    pub(crate) fn accuracy(&self, unstated: Accuracy, sensor: bool) -> Accuracy {
+        let Levels { stated, exact, pushes, .. } = self.levels;
+        if exact || (pushes && !sensor) {
+            return Accuracy::Exact;
+        }
+        let unstated = self.levels.unstated.then_some(unstated);
+        let levels = stated.into_iter().chain(unstated);
+        levels.reduce(Accuracy::join).unwrap_or_default()
+    }
+
+    /// Whether a budget may leave answers open: where triggers and distances alone are asked for.
+    pub(crate) fn may_stay_open(&self, sensor: bool) -> bool {
+        !self.levels.exact && (sensor || !self.levels.pushes)
     }
 
     /// The fields that this takes, if so much of `Contacts` is read.
@@ -171,12 +227,12 @@ mod tests {
         let demand = |effects: &[Effect]| demand(effects, ContactFields::default());
         assert_eq!(demand(&[]), Demand::None);
         assert_eq!(demand(&[Effect::Response]), Demand::None);
-        assert_eq!(demand(&[Effect::Response, Effect::Trigger]), Demand::Intersects);
+        assert_eq!(demand(&[Effect::Response, Effect::TRIGGER]), Demand::Intersects);
         let near = Effect::Contacts { margin: 0.25 };
         let far = Effect::Contacts { margin: 2.0 };
-        assert_eq!(demand(&[Effect::Trigger, far, near]), Demand::Regions { margin: 2.0 });
-        let distance = |within| Effect::Proximity { within };
-        let of_both = demand(&[Effect::Trigger, distance(3.0), distance(0.5)]);
+        assert_eq!(demand(&[Effect::TRIGGER, far, near]), Demand::Regions { margin: 2.0 });
+        let distance = Effect::proximity;
+        let of_both = demand(&[Effect::TRIGGER, distance(3.0), distance(0.5)]);
         assert_eq!(of_both, Demand::Distance { below: Some(3.0) });
         let overlap = demand(&[Effect::Penetration]);
         assert_eq!(overlap, Demand::Regions { margin: 0.0 });
@@ -201,9 +257,37 @@ mod tests {
         assert_eq!(demand(&effects, depth), Demand::contacts(0.0));
         assert_eq!(demand(&effects, points.join(depth)), Demand::contacts(0.25));
         assert_eq!(demand(&effects, regions.join(depth)), Demand::Regions { margin: 0.25 });
-        assert_eq!(demand(&[Effect::Trigger], ContactFields::NONE), Demand::Intersects);
+        assert_eq!(demand(&[Effect::TRIGGER], ContactFields::NONE), Demand::Intersects);
         assert_eq!(points.join(regions).names().collect::<Vec<_>>(), ["points", "regions"]);
         assert_eq!(depth.join(points).join(regions), ContactFields::ALL);
+    }
+
+    #[test]
+    fn the_most_exact_of_a_pairs_levels_counts_and_what_needs_contacts_is_exact() {
+        use Accuracy::{Caps, Exact, Hulls, Tree};
+        let trigger = |level| Effect::Trigger { accuracy: Some(level) };
+        let near = |level| Effect::Proximity { within: 1.0, accuracy: Some(level) };
+        let level = |effects: &[Effect], unstated, sensor| {
+            Wish::of(effects, String::new).unwrap().accuracy(unstated, sensor)
+        };
+        let pairs = |effects: &[Effect]| level(effects, Hulls, false);
+        assert_eq!(pairs(&[trigger(Caps)]), Caps, "what is stated counts");
+        assert_eq!(level(&[trigger(Hulls)], Exact, false), Hulls, "also where it is coarser");
+        assert_eq!(pairs(&[Effect::TRIGGER]), Hulls);
+        assert_eq!(pairs(&[Effect::TRIGGER, near(Caps)]), Caps);
+        assert_eq!(pairs(&[trigger(Tree(2)), near(Tree(5))]), Tree(5));
+        assert_eq!(pairs(&[trigger(Hulls), near(Tree(5))]), Exact, "neither holds the other");
+        for needs_contacts in [Effect::Contacts { margin: 0.0 }, Effect::Penetration] {
+            assert_eq!(pairs(&[trigger(Hulls), needs_contacts]), Exact);
+            assert_eq!(level(&[trigger(Hulls), needs_contacts], Hulls, true), Exact);
+        }
+        assert_eq!(pairs(&[trigger(Hulls), Effect::Response]), Exact);
+        assert_eq!(level(&[trigger(Hulls), Effect::Response], Exact, true), Hulls, "a sensor");
+        let open = |effects: &[Effect], sensor| {
+            Wish::of(effects, String::new).unwrap().may_stay_open(sensor)
+        };
+        assert!(open(&[Effect::TRIGGER], false) && open(&[Effect::Response], true));
+        assert!(!open(&[Effect::Response], false) && !open(&[Effect::Penetration], true));
     }
 
     #[test]

@@ -2,10 +2,11 @@
 //!
 //! Lengths are in the scene's unit, times in seconds, angles in radians, masses density x volume.
 
+pub use cranny_estimate::Accuracy;
 use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
 pub use cranny_narrow_phase::Normals;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 mod path;
@@ -34,6 +35,11 @@ pub struct SceneDescription {
     pub excluded_pairs: Vec<(usize, usize)>,
     /// Effects that hold for all bodies.
     pub effects: Vec<Effect>,
+    /// Level of the effects that state none, where their pair states none either.
+    pub accuracy: Accuracy,
+    /// Elementary tests a step that triggers and distances may take, shared over their pairs;
+    /// `None`: as many as they need.
+    pub budget: Option<u64>,
     /// Effects of single pairs.
     pub pairs: Vec<PairDescription>,
     /// Cameras for rendering.
@@ -48,6 +54,26 @@ impl SceneDescription {
         let of_bodies = self.bodies.iter().flat_map(|body| &body.effects);
         let of_pairs = self.pairs.iter().flat_map(|pair| &pair.effects);
         self.effects.iter().chain(of_bodies).chain(of_pairs)
+    }
+
+    /// One level for all triggers and distances, in place of all levels that the scene states.
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
+        let of_bodies = self.bodies.iter_mut().flat_map(|body| &mut body.effects);
+        let of_pairs = self.pairs.iter_mut().flat_map(|pair| &mut pair.effects);
+        let all = self.effects.iter_mut().chain(of_bodies).chain(of_pairs);
+        all.for_each(|effect| *effect = effect.stating(None));
+        self.pairs.iter_mut().for_each(|pair| pair.accuracy = None);
+        self.accuracy = accuracy;
+    }
+
+    /// The levels that the scene's effects may have, the coarsest first: of triggers and distances
+    /// as stated, `Exact` where another effect is named or none at all.
+    #[must_use]
+    pub fn levels(&self) -> Vec<Accuracy> {
+        let stated = self.all_effects().map(|effect| effect.level(self.accuracy));
+        let of_pairs = self.pairs.iter().filter_map(|pair| pair.accuracy);
+        let levels: BTreeSet<Accuracy> = stated.chain(of_pairs).collect();
+        if levels.is_empty() { vec![Accuracy::Exact] } else { levels.into_iter().collect() }
     }
 }
 
@@ -135,12 +161,17 @@ impl Default for Material {
 #[non_exhaustive]
 pub enum Effect {
     /// Overlap began and ended: yes or no.
-    Trigger,
+    Trigger {
+        /// How exactly that is known; `None`: at the level of the pair, or else of the scene.
+        accuracy: Option<Accuracy>,
+    },
     /// Distance and nearest points of pairs whose surfaces are nearer than `within`; what is
     /// farther apart costs the broad phase only.
     Proximity {
         /// Distance up to which pairs are reported, > 0.
         within: f64,
+        /// How exactly it is known; `None`: at the level of the pair, or else of the scene.
+        accuracy: Option<Accuracy>,
     },
     /// Contact points, curves and regions up to `margin` apart: as much of it as somebody reads
     /// ([`ContactFields`](crate::ContactFields)).
@@ -176,11 +207,61 @@ pub enum Effect {
 }
 
 impl Effect {
+    /// `Trigger` that states no level.
+    pub const TRIGGER: Self = Self::Trigger { accuracy: None };
+
+    /// `Proximity` up to a distance, that states no level.
+    #[must_use]
+    pub const fn proximity(within: f64) -> Self {
+        Self::Proximity { within, accuracy: None }
+    }
+
+    /// Whether it can be known at a level or within a budget: others need exact contacts.
+    #[must_use]
+    pub fn has_levels(&self) -> bool {
+        matches!(self, Self::Trigger { .. } | Self::Proximity { .. })
+    }
+
+    /// Whether it works on what a solver does, which has no part in the pairs of sensors.
+    #[must_use]
+    pub fn pushes(&self) -> bool {
+        !self.has_levels() && !matches!(self, Self::Contacts { .. } | Self::Penetration)
+    }
+
+    /// The level that it states; `None` where it states none.
+    #[must_use]
+    pub fn stated_level(&self) -> Option<Accuracy> {
+        match *self {
+            Self::Trigger { accuracy } | Self::Proximity { accuracy, .. } => accuracy,
+            _ => None,
+        }
+    }
+
+    /// The level at which a pair with it is known: the one that it states or else this one, or
+    /// `Exact` for what needs contacts.
+    #[must_use]
+    pub fn level(&self, unstated: Accuracy) -> Accuracy {
+        match self.has_levels() {
+            true => self.stated_level().unwrap_or(unstated),
+            false => Accuracy::Exact,
+        }
+    }
+
+    /// The same effect, stating another level; unchanged where levels mean nothing.
+    #[must_use]
+    pub fn stating(self, accuracy: Option<Accuracy>) -> Self {
+        match self {
+            Self::Trigger { .. } => Self::Trigger { accuracy },
+            Self::Proximity { within, .. } => Self::Proximity { within, accuracy },
+            other => other,
+        }
+    }
+
     /// Its name in scene files.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Trigger => "Trigger",
+            Self::Trigger { .. } => "Trigger",
             Self::Proximity { .. } => "Proximity",
             Self::Contacts { .. } => "Contacts",
             Self::Response => "Response",
@@ -202,6 +283,8 @@ pub struct PairDescription {
     pub b: String,
     /// What holds for the pair beyond the scene's and the bodies' effects.
     pub effects: Vec<Effect>,
+    /// Level of the effects that state none; `None`: the scene's.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// A joint between two bodies.

@@ -16,8 +16,11 @@
 //!   taken away while the bodies touch.
 //! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
 //!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
+//! - **No level and no budget misses what exact answers find**: triggers and distances may be known
+//!   at a level, or within a number of tests a step ([`World::set_accuracy`],
+//!   [`World::set_budget`]); what is open then counts as touching ([`PairEstimate`]).
 //! - **Memory changes no answer**, and whoever doubts it can have every step checked:
-//!   [`World::set_verification`].
+//!   [`World::set_verification`]. Within a budget it says how much is left open.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
@@ -36,7 +39,7 @@
 //! let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
 //!
 //! let mut world = World::new();
-//! world.set_scene_effects(&[Effect::Trigger])?;
+//! world.set_scene_effects(&[Effect::TRIGGER])?;
 //! let mut insert = |name: &str, kind, x| {
 //!     let pose = Pose::at(DVec3::new(x, 0.0, 0.0));
 //!     world.insert(BodySpec { kind, pose, ..BodySpec::new(name, model.clone()) })
@@ -59,6 +62,7 @@ mod crew;
 mod demand;
 pub mod description;
 mod error;
+mod estimates;
 mod layers;
 mod report;
 mod world;
@@ -66,11 +70,14 @@ mod world;
 pub use arrangement::{Arranged, Arrangement, ArrangementError, NearestPair, Wanted};
 pub use body::{Body, BodyId, BodySpec};
 pub use bounds::world_box;
+pub use cranny_estimate::Verdict;
 pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
+pub use estimates::PairEstimate;
 pub use layers::Layers;
 pub use report::{
-    Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
+    Deepest, EstimateStats, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport,
+    StepStats,
 };
 pub use world::World;
 

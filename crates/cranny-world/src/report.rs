@@ -1,9 +1,11 @@
 //! What a step tells.
 
 use cranny_broad_phase::BroadPhaseCounters;
+use cranny_estimate::Verdict;
 use cranny_narrow_phase::{Answer, Counters, Mismatch, RegionId};
 
 use crate::body::BodyId;
+use crate::estimates::PairEstimate;
 
 /// Everything that one step found. Answers and events are sorted by body ids.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,16 +14,35 @@ pub struct StepReport {
     pub step: u64,
     /// One a pair that was queried or supplied.
     pub answers: Vec<PairAnswer>,
+    /// One a pair that is answered at a level or within the budget.
+    pub estimates: Vec<PairEstimate>,
     /// Which pairs began or ended to touch, among those that have a demand, and which regions of
     /// contact split or merged, where regions are asked for.
     pub events: Vec<PairEvent>,
-    /// Pairs that touch or overlap, among those that have a demand; ascending.
+    /// Pairs that touch or overlap, or of which it is open whether they do, among those that have a
+    /// demand; ascending.
     pub touching: Vec<(BodyId, BodyId)>,
     /// Counts and sums.
     pub stats: StepStats,
     /// Where memory changed an answer, sorted by body ids: faults of Cranny's. Always empty unless
     /// [`World::set_verification`](crate::World::set_verification) asks for a comparison.
     pub mismatches: Vec<PairMismatch>,
+}
+
+impl StepReport {
+    /// What is certain of a pair; `None` of one that was answered exactly or not at all.
+    #[must_use]
+    pub fn estimate(&self, a: BodyId, b: BodyId) -> Option<&PairEstimate> {
+        let pair = (a.min(b), a.max(b));
+        let at = self.estimates.binary_search_by_key(&pair, |estimate| (estimate.a, estimate.b));
+        at.ok().map(|at| &self.estimates[at])
+    }
+
+    /// Whether it is open if two bodies touch.
+    #[must_use]
+    pub fn is_open(&self, a: BodyId, b: BodyId) -> bool {
+        self.estimate(a, b).is_some_and(|estimate| estimate.verdict == Verdict::Open)
+    }
 }
 
 /// An answer that memory changed; the lower id first.
@@ -109,8 +130,10 @@ pub struct StepStats {
     pub verified_pairs: usize,
     /// Pairs whose answer was supplied.
     pub supplied_pairs: usize,
-    /// Pairs that touch or overlap, by their answers.
+    /// Pairs that touch or overlap, by their answers and estimates; not those that are open.
     pub touching_pairs: usize,
+    /// What was estimated.
+    pub estimates: EstimateStats,
     /// Contacts, summed over the answers: each region's points, and contacts outside regions.
     pub contacts: usize,
     /// Regions, summed over the answers.
@@ -121,6 +144,19 @@ pub struct StepStats {
     pub broad_phase: BroadPhaseCounters,
     /// The deepest overlap among the answers that tell depths.
     pub deepest: Option<Deepest>,
+}
+
+/// What a step estimated, in numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EstimateStats {
+    /// Pairs that were estimated.
+    pub pairs: usize,
+    /// Of these, pairs of which it is open whether they touch.
+    pub open: usize,
+    /// Pairs of which more tests would tell more: the budget ended the work.
+    pub unsettled: usize,
+    /// Elementary tests that they took together.
+    pub tests: u64,
 }
 
 /// The deepest overlap of a step.
@@ -135,6 +171,15 @@ pub struct Deepest {
 }
 
 impl StepStats {
+    /// Adds what is certain of a pair.
+    pub(crate) fn add_estimate(&mut self, pair: &PairEstimate) {
+        self.touching_pairs += usize::from(pair.verdict == Verdict::Certain);
+        self.estimates.pairs += 1;
+        self.estimates.open += usize::from(pair.verdict == Verdict::Open);
+        self.estimates.unsettled += usize::from(!pair.is_settled);
+        self.estimates.tests += pair.tests;
+    }
+
     /// Adds what an answer found; whether it was queried or supplied is the caller's to count.
     pub(crate) fn add(&mut self, pair: &PairAnswer) {
         let answer = &pair.answer;

@@ -10,14 +10,15 @@ use std::num::NonZeroUsize;
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, Fields, PairMemory, Query};
+use cranny_narrow_phase::{Answer, Demand, Fields, Query, QueryError};
 
 use crate::body::{Body, BodyId, BodySpec};
 use crate::bounds::world_box;
 use crate::crew::{Crew, Job};
 use crate::demand::{ContactFields, Wish};
-use crate::description::BodyKind;
+use crate::description::{Accuracy, BodyKind};
 use crate::error::{WorldError, WorldInvariantError};
+use crate::estimates::{PairEstimate, PairState, Refinement, refine};
 use crate::layers::Layers;
 use crate::report::{
     PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, region_events,
@@ -39,10 +40,16 @@ pub struct World {
     /// What of the effect `Contacts` somebody reads.
     read: ContactFields,
     pair_wishes: BTreeMap<Pair, Wish>,
+    /// Level of what states none.
+    accuracy: Accuracy,
+    /// The same of single pairs.
+    pair_levels: BTreeMap<Pair, Accuracy>,
+    /// Tests that pairs which may stay open take in a step together.
+    budget: Option<u64>,
     excluded: BTreeSet<Pair>,
     broad_phase: AdaptiveBroadPhase,
     /// Of pairs whose boxes overlapped at the last step and about which something is asked.
-    memories: BTreeMap<Pair, PairMemory>,
+    memories: BTreeMap<Pair, PairState>,
     crew: Crew,
     /// Whether pairs are answered without memory as well.
     verify: bool,
@@ -86,7 +93,7 @@ impl World {
     ///
     /// As [`insert`](Self::insert), and [`WorldError::IdUsed`] for an id that is not higher.
     pub fn insert_as(&mut self, id: BodyId, spec: BodySpec) -> Result<(), WorldError> {
-        let BodySpec { name, model, pose, kind, layers, effects } = spec;
+        let BodySpec { name, model, pose, kind, layers, sensor, effects } = spec;
         if id.0 < self.inserted {
             return Err(WorldError::IdUsed { name, body: id });
         }
@@ -99,7 +106,7 @@ impl World {
         let Some(inserted) = id.0.checked_add(1) else {
             return Err(WorldError::NoIdLeft { name });
         };
-        let body = Body { name, model, pose, kind, layers, effects, wish };
+        let body = Body { name, model, pose, kind, layers, sensor, effects, wish };
         let around = world_box(&body.model, &body.pose, self.growth(id, &body));
         self.broad_phase
             .insert(ProxyId(id.0), around, motion_of(kind))
@@ -126,6 +133,7 @@ impl World {
         self.leaving.insert(body, name);
         let others = |pair: &Pair| pair.0 != body && pair.1 != body;
         self.excluded.retain(others);
+        self.pair_levels.retain(|pair, _| others(pair));
         self.supplied.retain(|pair, _| others(pair));
         self.depths_at_most.retain(|pair, _| others(pair));
         self.pressed.retain(others);
@@ -220,6 +228,17 @@ impl World {
         Ok(())
     }
 
+    /// Says whether a body is a sensor from now on: one that is noticed and never pushes.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`].
+    pub fn set_sensor(&mut self, body: BodyId, sensor: bool) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.sensor = sensor;
+        Ok(())
+    }
+
     fn known(&self, body: BodyId) -> Result<&Body, WorldError> {
         self.bodies.get(&body).ok_or(WorldError::UnknownBody { body })
     }
@@ -278,7 +297,8 @@ impl World {
     }
 
     /// Brings boxes and pairs up to date and answers, in the order of ids, every pair that has a
-    /// demand and whose boxes overlap.
+    /// demand and whose boxes overlap: exactly, or at its [level](Self::set_accuracy) and within
+    /// the [budget](Self::set_budget).
     ///
     /// # Errors
     ///
@@ -295,19 +315,21 @@ impl World {
         };
         let queried = self.query_candidates();
         self.depths_at_most.clear();
-        let (mut answers, mismatches) = queried?;
-        stats.queried_pairs = answers.len();
+        let Found { mut answers, mut estimates, mismatches, .. } = queried?;
+        stats.queried_pairs = answers.len() + estimates.len();
         stats.verified_pairs = if self.verify { answers.len() } else { 0 };
         let supplied = std::mem::take(&mut self.supplied);
         answers.extend(supplied.into_iter().map(|((a, b), answer)| PairAnswer { a, b, answer }));
         answers.sort_by_key(|pair| (pair.a, pair.b));
+        estimates.sort_by_key(|pair| (pair.a, pair.b));
         answers.iter().for_each(|pair| stats.add(pair));
-        let events = self.update_touching(&answers);
+        estimates.iter().for_each(|pair| stats.add_estimate(pair));
+        let events = self.update_touching(&answers, &estimates);
         self.left = std::mem::take(&mut self.leaving);
         let step = self.steps;
         self.steps += 1;
         let touching = self.touching.iter().copied().collect();
-        Ok(StepReport { step, answers, events, touching, stats, mismatches })
+        Ok(StepReport { step, answers, estimates, events, touching, stats, mismatches })
     }
 
     /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers
@@ -327,7 +349,8 @@ impl World {
     /// memory, and the two compared, to the bit; off until then. Answers and events stay those with
     /// memory; differences, which would be faults of Cranny's, are told in
     /// [`StepReport::mismatches`]. A step then costs what it costs warm and cold together. Supplied
-    /// answers are not compared.
+    /// answers are not compared, nor are estimates, which depend on memory where a budget ends
+    /// them.
     pub fn set_verification(&mut self, verify: bool) {
         self.verify = verify;
     }
@@ -355,7 +378,7 @@ impl World {
     }
 
     /// Answers what is asked about pairs whose boxes overlap, but for what was supplied.
-    fn query_candidates(&mut self) -> Result<(Vec<PairAnswer>, Vec<PairMismatch>), WorldError> {
+    fn query_candidates(&mut self) -> Result<Found, WorldError> {
         let mut memories = std::mem::take(&mut self.memories);
         let answers = self.query_with(&mut memories);
         self.memories = memories;
@@ -376,11 +399,40 @@ impl World {
         }
     }
 
-    fn query_with(
-        &self,
-        memories: &mut BTreeMap<Pair, PairMemory>,
-    ) -> Result<(Vec<PairAnswer>, Vec<PairMismatch>), WorldError> {
-        let (mut pairs, mut jobs) = (Vec::new(), Vec::new());
+    fn query_with(&self, memories: &mut BTreeMap<Pair, PairState>) -> Result<Found, WorldError> {
+        let (mut jobs, mut refinements) = self.wanted(memories)?;
+        let mut found = Found::default();
+        let refined = refine(&mut refinements, self.budget, &self.crew);
+        for refinement in refinements {
+            let (pair, bodies) = (refinement.pair, refinement.bodies);
+            let (state, estimate) = refinement.finish();
+            memories.insert(pair, state);
+            found.estimates.extend(estimate);
+            if let (None, Err(source)) = (estimate, &refined) {
+                found.refuse(bodies, *source);
+            }
+        }
+        let answers = self.crew.each(&mut jobs, |(_, job)| job.answer());
+        for (((a, b), job), answer) in jobs.into_iter().zip(answers) {
+            memories.insert((a, b), job.state);
+            match answer {
+                Ok((answer, mismatch)) => {
+                    found.answers.push(PairAnswer { a, b, answer });
+                    found.mismatches.extend(mismatch.map(|m| PairMismatch { a, b, mismatch: m }));
+                }
+                Err(source) => found.refuse(job.bodies, source),
+            }
+        }
+        found.refused.take().map_or(Ok(found), Err)
+    }
+
+    /// What is asked about pairs whose boxes overlap, with their memories: what is answered
+    /// exactly, and what is estimated.
+    fn wanted<'w>(
+        &'w self,
+        memories: &mut BTreeMap<Pair, PairState>,
+    ) -> Result<AskedPairs<'w>, WorldError> {
+        let (mut jobs, mut refinements) = (Vec::new(), Vec::new());
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
             let bodies @ [body_a, body_b] = [self.known(a)?, self.known(b)?];
@@ -393,33 +445,22 @@ impl World {
             if demand == Demand::None {
                 continue;
             }
-            pairs.push(pair);
-            let memory = memories.remove(&pair).unwrap_or_default();
-            jobs.push(Job { bodies, query: Query::of(demand), memory, verify: self.verify });
-        }
-        let answers = self.crew.answer(&mut jobs);
-        let names = |[a, b]: [&Body; 2]| (a.name.clone(), b.name.clone());
-        let mut told = Vec::with_capacity(answers.len());
-        let mut mismatches = Vec::new();
-        let mut refused = None;
-        for ((pair @ (a, b), job), answer) in pairs.into_iter().zip(jobs).zip(answers) {
-            memories.insert(pair, job.memory);
-            match answer {
-                Ok((answer, mismatch)) => {
-                    told.push(PairAnswer { a, b, answer });
-                    mismatches.extend(mismatch.map(|mismatch| PairMismatch { a, b, mismatch }));
-                }
-                Err(source) => {
-                    let (a, b) = names(job.bodies);
-                    refused.get_or_insert(WorldError::Query { a, b, source });
-                }
+            let state = memories.remove(&pair).unwrap_or_default();
+            let query = Query::of(demand);
+            match self.level(pair, body_a, body_b) {
+                Some(level) => refinements.push(Refinement::new(pair, bodies, query, level, state)),
+                None => jobs.push((pair, Job { bodies, query, state, verify: self.verify })),
             }
         }
-        refused.map_or(Ok((told, mismatches)), Err)
+        Ok((jobs, refinements))
     }
 
     /// Replaces the set of touching pairs and tells the difference.
-    fn update_touching(&mut self, answers: &[PairAnswer]) -> Vec<PairEvent> {
+    fn update_touching(
+        &mut self,
+        answers: &[PairAnswer],
+        estimates: &[PairEstimate],
+    ) -> Vec<PairEvent> {
         let pressed = std::mem::take(&mut self.pressed);
         let asked = |a: &BodyId, b: &BodyId| match (self.bodies.get(a), self.bodies.get(b)) {
             (Some(body_a), Some(body_b)) => self.demand((*a, *b), body_a, body_b) != Demand::None,
@@ -427,6 +468,8 @@ impl World {
         };
         let met = answers.iter().filter(|pair| pair.answer.touches());
         let met = met.map(|pair| (pair.a, pair.b)).chain(pressed);
+        let may_meet = estimates.iter().filter(|pair| pair.may_touch());
+        let met = met.chain(may_meet.map(|pair| (pair.a, pair.b)));
         let touching: BTreeSet<Pair> = met.filter(|(a, b)| asked(a, b)).collect();
         let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {
             let began = touching.contains(&(a, b));
@@ -467,10 +510,31 @@ impl World {
         let present =
             |(a, b): &Pair| a < b && self.bodies.contains_key(a) && self.bodies.contains_key(b);
         unless(self.pair_wishes.keys().all(present), "pair effects are of bodies present")?;
+        unless(self.pair_levels.keys().all(present), "levels are of bodies present")?;
         unless(self.excluded.iter().all(present), "excluded pairs are of bodies present")?;
         unless(self.pressed.iter().all(present), "pressing pairs are of bodies present")?;
         unless(self.depths_at_most.keys().all(present), "bounds are of bodies present")?;
         unless(self.supplied.keys().all(present), "supplied answers are of bodies present")
+    }
+}
+
+/// Pairs that are answered exactly, and pairs that are estimated.
+type AskedPairs<'w> = (Vec<(Pair, Job<'w>)>, Vec<Refinement<'w>>);
+
+/// What a step found about pairs, but for what was supplied.
+#[derive(Default)]
+struct Found {
+    answers: Vec<PairAnswer>,
+    estimates: Vec<PairEstimate>,
+    mismatches: Vec<PairMismatch>,
+    /// The first pair that the narrow phase refused.
+    refused: Option<WorldError>,
+}
+
+impl Found {
+    fn refuse(&mut self, [a, b]: [&Body; 2], source: QueryError) {
+        let (a, b) = (a.name.clone(), b.name.clone());
+        self.refused.get_or_insert(WorldError::Query { a, b, source });
     }
 }
 

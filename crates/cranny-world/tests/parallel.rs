@@ -13,7 +13,7 @@ fn rings() -> World {
     let mesh = Torus { major_segments: 16, minor_segments: 8, ..Torus::default() }.build().unwrap();
     let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
     let mut world = World::new();
-    world.set_scene_effects(&[Effect::Trigger, Effect::Contacts { margin: 0.05 }]).unwrap();
+    world.set_scene_effects(&[Effect::TRIGGER, Effect::Contacts { margin: 0.05 }]).unwrap();
     for i in 0..27 {
         world
             .insert(BodySpec { pose: pose(i, 0), ..BodySpec::new(i.to_string(), model.clone()) })
@@ -63,6 +63,37 @@ fn any_number_of_threads_tells_the_same() {
         }
     }
     assert!(answers > 200 && events > 10, "{answers} answers, {events} events");
+}
+
+/// The budget is shared before it is spent, so it does not matter who spends it.
+#[test]
+fn a_budget_is_shared_alike_with_any_number_of_threads() {
+    let start = || {
+        let mut world = rings();
+        world.set_scene_effects(&[Effect::TRIGGER, Effect::proximity(0.3)]).unwrap();
+        world.set_budget(Some(700));
+        world
+    };
+    let mut alone = start();
+    let mut crews = [2, 5].map(|threads| {
+        let mut world = start();
+        world.set_threads(NonZeroUsize::new(threads).unwrap()).unwrap();
+        world
+    });
+    let (mut open, mut settled) = (0, 0);
+    for step in 1..=8 {
+        for world in crews.iter_mut().chain([&mut alone]) {
+            let ids: Vec<_> = world.bodies().map(|(id, _)| id).collect();
+            ids.iter().for_each(|&id| world.set_pose(id, pose(id.0, step)).unwrap());
+        }
+        let expected = alone.step().unwrap();
+        open += expected.stats.estimates.open;
+        settled += expected.stats.estimates.pairs - expected.stats.estimates.unsettled;
+        for world in &mut crews {
+            assert_eq!(format!("{:?}", world.step().unwrap()), format!("{expected:?}"));
+        }
+    }
+    assert!(open > 0 && settled > 0, "{open} open, {settled} settled");
 }
 
 #[test]

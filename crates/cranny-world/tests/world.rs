@@ -59,7 +59,7 @@ fn ended(a: BodyId, b: BodyId) -> PairEvent {
 /// before each step anew.
 #[test]
 fn pairs_that_press_touch_for_a_step() {
-    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 1.25, 4.0]);
+    let (mut world, ids) = row(&[Effect::TRIGGER], &[0.0, 1.25, 4.0]);
     assert_eq!((step(&mut world).events, world.remembered_pairs()), (vec![], 0));
     world.press(ids[1], ids[0]).unwrap();
     let report = step(&mut world);
@@ -127,7 +127,7 @@ fn answered(report: &StepReport) -> Vec<(u32, u32)> {
 
 #[test]
 fn a_pair_begins_rests_and_ends() {
-    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 5.0]);
+    let (mut world, ids) = row(&[Effect::TRIGGER], &[0.0, 5.0]);
     let first = step(&mut world);
     assert_eq!((first.step, first.events.len(), first.stats.candidate_pairs), (0, 0, 0));
 
@@ -155,7 +155,7 @@ fn boxes_that_overlap_are_not_yet_bodies_that_touch() {
     let ring = model(Torus::default().build().unwrap());
     let small = model(Torus::default().build().unwrap().scaled(DVec3::splat(0.25)).unwrap());
     let mut world = World::new();
-    world.set_scene_effects(&[Effect::Trigger]).unwrap();
+    world.set_scene_effects(&[Effect::TRIGGER]).unwrap();
     world.insert(BodySpec::new("ring", ring)).unwrap();
     world.insert(BodySpec::new("small", small)).unwrap();
     let report = step(&mut world);
@@ -167,7 +167,7 @@ fn boxes_that_overlap_are_not_yet_bodies_that_touch() {
 
 #[test]
 fn removing_a_body_ends_what_it_touched_and_frees_its_name_only() {
-    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 0.75, 1.5]);
+    let (mut world, ids) = row(&[Effect::TRIGGER], &[0.0, 0.75, 1.5]);
     assert_eq!(step(&mut world).events, [began(ids[0], ids[1]), began(ids[1], ids[2])]);
     world.set_pair_effects(ids[1], ids[2], &[Effect::Contacts { margin: 1.0 }]).unwrap();
     world.exclude_pair(ids[0], ids[1]).unwrap();
@@ -193,7 +193,7 @@ fn demands_are_joined_over_scene_bodies_and_pair() {
     let (mut world, ids) = row(&[], &[0.0, 1.0, 2.0]);
     let demand = |w: &World, a: usize, b: usize| w.demand_of(ids[a], ids[b]).unwrap();
     assert_eq!(demand(&world, 0, 1), Demand::None);
-    world.set_scene_effects(&[Effect::Trigger, Effect::Response]).unwrap();
+    world.set_scene_effects(&[Effect::TRIGGER, Effect::Response]).unwrap();
     assert_eq!(demand(&world, 0, 1), Demand::Intersects);
     world.set_effects(ids[0], &[Effect::Contacts { margin: 0.1 }]).unwrap();
     world.set_pair_effects(ids[2], ids[0], &[Effect::Contacts { margin: 0.3 }]).unwrap();
@@ -215,7 +215,7 @@ fn a_pair_without_demand_is_never_looked_at() {
     assert!(report.answers.is_empty() && report.events.is_empty());
     assert_eq!(world.remembered_pairs(), 0);
 
-    world.set_effects(ids[0], &[Effect::Trigger]).unwrap();
+    world.set_effects(ids[0], &[Effect::TRIGGER]).unwrap();
     assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
     world.set_effects(ids[0], &[]).unwrap();
     let report = step(&mut world);
@@ -226,7 +226,7 @@ fn a_pair_without_demand_is_never_looked_at() {
 #[test]
 fn layers_kinds_and_exclusions_keep_bodies_apart() {
     let mut world = World::new();
-    world.set_scene_effects(&[Effect::Trigger]).unwrap();
+    world.set_scene_effects(&[Effect::TRIGGER]).unwrap();
     let mut put = |name: &str, kind, layers: u32| {
         let layers = Layers::shared(layers);
         world.insert(BodySpec { kind, layers, ..cube(name, 0.0) }).unwrap()
@@ -366,7 +366,7 @@ fn fresh(a: Pose, b: Pose, demand: Demand) -> Answer {
 
 #[test]
 fn a_supplied_answer_is_told_once_and_not_queried() {
-    let (mut world, ids) = row(&[Effect::Response, Effect::Trigger], &[0.0, 0.75]);
+    let (mut world, ids) = row(&[Effect::Response, Effect::TRIGGER], &[0.0, 0.75]);
     let demand = Demand::Regions { margin: 0.0 };
     // Told by the solver in its own order: the second body as A.
     let answer = fresh(at(0.75), at(0.0), demand);
@@ -400,7 +400,7 @@ fn a_response_alone_reports_answers_but_no_events() {
 
 #[test]
 fn bad_calls_are_named_and_change_nothing() {
-    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 0.5]);
+    let (mut world, ids) = row(&[Effect::TRIGGER], &[0.0, 0.5]);
     let before = step(&mut world);
     assert!(matches!(world.insert(cube("1", 9.0)), Err(WorldError::DuplicateName { .. })));
     let bad_pose = BodySpec { pose: at(f64::NAN), ..cube("bad", 0.0) };
@@ -451,7 +451,7 @@ fn corners_that_touch_by_a_rounding_are_found() {
             let b = Pose { translation: b.translation + far * DVec3::Y, ..b };
             let alone = fresh(a, b, Demand::Intersects).surface.meets();
             let mut world = World::new();
-            world.set_scene_effects(&[Effect::Trigger]).unwrap();
+            world.set_scene_effects(&[Effect::TRIGGER]).unwrap();
             for (name, pose) in [("a", a), ("b", b)] {
                 world.insert(BodySpec { pose, ..cube(name, 0.0) }).unwrap();
             }
@@ -521,7 +521,7 @@ proptest! {
 
 #[test]
 fn what_a_body_is_may_change_between_steps() {
-    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 1.5]);
+    let (mut world, ids) = row(&[Effect::TRIGGER], &[0.0, 1.5]);
     assert!(step(&mut world).events.is_empty());
 
     let wide = Cuboid { size: [2.5, 1.0, 1.0] }.build().unwrap();

@@ -47,8 +47,8 @@ const STATUS: &str = "/proc/self/status";
 /// Effects in the order of the table, each with what else it needs.
 fn measured() -> Vec<(&'static str, Vec<Effect>)> {
     let alone: [(&str, Effect); 8] = [
-        ("`Trigger()`", Effect::Trigger),
-        ("`Proximity(within: 0.1)`", Effect::Proximity { within: 0.1 }),
+        ("`Trigger()`", Effect::TRIGGER),
+        ("`Proximity(within: 0.1)`", Effect::proximity(0.1)),
         ("`Contacts(margin: 0.01)`", Effect::Contacts { margin: 0.01 }),
         ("`Penetration()`", Effect::Penetration),
         ("`Continuous()`", Effect::Continuous),

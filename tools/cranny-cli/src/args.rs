@@ -112,12 +112,9 @@ pub(crate) enum DemandArg {
     Regions,
 }
 
-/// How much is spent on a pair of a scene. Only one level exists so far.
+/// Elementary tests that a step may take; `None`: as many as it needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum AccuracyArg {
-    /// Every answer is exact.
-    Exact,
-}
+pub(crate) struct StepBudget(pub(crate) Option<u64>);
 
 /// Two meshes.
 #[derive(Debug, Args)]
@@ -385,15 +382,16 @@ fn level(text: &str) -> Result<Accuracy, String> {
     }
 }
 
-/// Reads a level of accuracy for scenes; the levels of later versions get another error than
-/// misspelt ones.
-fn accuracy(text: &str) -> Result<AccuracyArg, String> {
-    match text.split(':').next() {
-        Some("exact") if text == "exact" => Ok(AccuracyArg::Exact),
-        Some("boxes" | "hulls" | "caps" | "tree") => {
-            Err("levels other than `exact` come with a later version".to_owned())
-        }
-        _ => Err("no such level; `exact` is the only one so far".to_owned()),
+/// Reads a budget of a step, which may be lifted.
+fn step_budget(text: &str) -> Result<StepBudget, String> {
+    match text {
+        "unlimited" => Ok(StepBudget(None)),
+        _ => text.parse().map(|tests| StepBudget(Some(tests))).map_err(|_| {
+            format!(
+                "a budget is a whole number of tests a step from 0 to {}, or unlimited",
+                u64::MAX
+            )
+        }),
     }
 }
 
@@ -417,9 +415,10 @@ mod tests {
 
     #[test]
     fn levels_and_scales_are_checked() {
-        assert_eq!(accuracy("exact"), Ok(AccuracyArg::Exact));
-        for (level, reason) in [("hulls", "later"), ("tree:3", "later"), ("exact:2", "no such")] {
-            assert!(accuracy(level).unwrap_err().contains(reason), "{level}");
+        assert_eq!(step_budget("2000"), Ok(StepBudget(Some(2000))));
+        assert_eq!(step_budget("unlimited"), Ok(StepBudget(None)));
+        for text in ["-1", "1.5", "none", ""] {
+            assert!(step_budget(text).unwrap_err().contains("or unlimited"), "{text:?}");
         }
         assert_eq!(level("caps"), Ok(Accuracy::Caps));
         assert_eq!(

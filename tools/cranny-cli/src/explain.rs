@@ -30,7 +30,12 @@ pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), 
     let scene = load(&args.scene, None)?;
     // As `cranny run` runs it.
     let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
-    let options = RunOptions { plugins, ..RunOptions::default() };
+    let options = RunOptions {
+        plugins,
+        accuracy: args.effort.accuracy,
+        budget: args.effort.budget.map(|budget| budget.0),
+        ..RunOptions::default()
+    };
     let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
     let plan = app.plan().map_err(Failure::run)?;
     let (name, bodies) = (&*scene.description.name, scene.description.bodies.len());
@@ -63,7 +68,10 @@ fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
             add(format!("  {number:>2}  {:<34} {sets}", system.name));
         }
     }
-    add("\npairs".to_owned());
+    let budget = plan.budget.map_or(String::new(), |tests| {
+        format!(" ({tests} tests a step for those of which triggers and distances alone are asked)")
+    });
+    add(format!("\npairs{budget}"));
     plan.pairs.iter().for_each(|group| add(pairs(group)));
     add("\nabsent: no system, component, message or resource of".to_owned());
     for effect in &plan.absent {
@@ -78,8 +86,9 @@ fn pairs(group: &PlannedPairs) -> String {
     let mut line =
         format!("  {}: {wanted}, detected by {} ({})", group.count, group.detected_by, group.why);
     if !group.fields.is_empty() {
+        let level = group.accuracy.as_ref().map_or(String::new(), |level| format!("; at {level}"));
         // Writing to a string cannot fail.
-        let _ = write!(line, "\n      computed: {}", group.fields.join(", "));
+        let _ = write!(line, "\n      computed: {}{level}", group.fields.join(", "));
     }
     let named: Vec<String> = group.examples.iter().map(|[a, b]| format!("{a} and {b}")).collect();
     let more = if group.count > named.len() { ", ..." } else { "" };

@@ -5,6 +5,7 @@ use std::path::Path;
 use cranny_ecs::{
     PREVIEW_SIZE, Replay, ReplayError, ReplayFrame, ReplayReport, ScenePainter, ScenePainterView,
 };
+use cranny_record::topic;
 use cranny_render::{Animation, Image, Renderer, RendererOptions, palette};
 use serde_json::json;
 
@@ -153,6 +154,13 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
         report.same,
         report.different.len()
     ));
+    if let Some((accuracy, budget)) = levels(replay) {
+        let budget = budget.map_or(String::new(), |tests| format!(", {tests} tests a step"));
+        lines.push(format!(
+            "not anew   triggers and distances were known at {accuracy}{budget}: they depend on what \
+             was known before, so only pairs in /contacts are computed anew"
+        ));
+    }
     if report.unknown > 0 {
         lines.push(format!(
             "unknown    {} pairs cannot be computed anew: the recording does not say what collides",
@@ -168,6 +176,14 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
         lines.push(format!("written    {}", path.display()));
     }
     lines.join("\n")
+}
+
+/// The levels and the budget of a recording whose triggers and distances were not exact.
+fn levels(replay: &Replay) -> Option<(&str, Option<&str>)> {
+    let metadata = replay.recording().metadata(topic::METADATA)?;
+    let entry = |key: &str| metadata.get(key).map(String::as_str);
+    let (accuracy, budget) = (entry("accuracy")?, entry(topic::BUDGET_KEY));
+    (accuracy != "exact" || budget.is_some()).then_some((accuracy, budget))
 }
 
 fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_json::Value {
@@ -187,5 +203,7 @@ fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_j
         "same": report.same,
         "different": different,
         "unknown": report.unknown,
+        "accuracy": levels(replay).map_or("exact", |(accuracy, _)| accuracy),
+        "budget": levels(replay).and_then(|(_, budget)| budget),
     })
 }

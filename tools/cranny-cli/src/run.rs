@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, DeepestSummary, JointSummary, LeftSummary, PairsFound, PictureOptions,
-    PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TriggerSummary, check_outputs,
-    helices, rings,
+    ContactFields, DeepestSummary, EstimateSummary, JointSummary, LeftSummary, PairsFound,
+    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TriggerSummary,
+    check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 
@@ -47,6 +47,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         },
         step: args.instead.dt,
         duration: args.instead.duration,
+        accuracy: args.effort.accuracy,
+        budget: args.effort.budget.map(|budget| budget.0),
         record: args.record.clone(),
         pictures: PictureOptions {
             frames: args.frames.clone(),
@@ -130,7 +132,8 @@ fn text(summary: &RunSummary) -> String {
     let ending = if summary.interrupted { ", interrupted" } else { "" };
     lines.add("scene", format!("{} (seed {})", summary.scene, summary.seed));
     let accuracy = summary.accuracy.as_ref().map_or(String::new(), |level| format!(", {level}"));
-    lines.add("detector", format!("{}{accuracy}", summary.detector));
+    let budget = summary.budget.map_or(String::new(), |n| format!(", {n} tests a step"));
+    lines.add("detector", format!("{}{accuracy}{budget}", summary.detector));
     lines.add(
         "simulated",
         format!(
@@ -159,6 +162,12 @@ fn text(summary: &RunSummary) -> String {
         let found = format!("{:.1} carried on a step, {:.1} searched", carried.mean, searched.mean);
         lines.add("- contacts", found);
     }
+    if let Some(tests) = &summary.tests {
+        lines.add("tests", format!("{:.1} a step, at most {}", tests.mean, tests.max));
+    }
+    if let Some(estimates) = &summary.estimates {
+        lines.add("estimates", estimated(estimates));
+    }
     let contacts = &summary.contacts;
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
     lines.add("deepest", deepest(summary));
@@ -166,8 +175,9 @@ fn text(summary: &RunSummary) -> String {
         lines.add("- first", overlap(first));
     }
     for trigger in summary.triggers.iter().take(LISTED) {
-        let TriggerSummary { a, b, times, step } = trigger;
+        let TriggerSummary { a, b, times, open, step } = trigger;
         let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
+        let times = if *open == 0 { times } else { format!("{times} ({open} of them open)") };
         lines.add("triggers", format!("{a} and {b} began to touch {times}, after {step} steps"));
     }
     more(&mut lines, "triggers", "pairs", summary.triggers.len());
@@ -237,6 +247,16 @@ fn text(summary: &RunSummary) -> String {
         lines.add("skipped", format!("{}: {}", skipped.what, skipped.why));
     }
     lines.0
+}
+
+/// Pairs at a level or within a budget.
+fn estimated(
+    EstimateSummary { pairs, certain, open, unsettled, tests }: &EstimateSummary,
+) -> String {
+    format!(
+        "{:.1} pairs a step: {certain:.2} certain, {:.2} open and counted as touching; {:.2} left by the budget; {:.1} tests, at most {}",
+        pairs.mean, open.mean, unsettled.mean, tests.mean, tests.max
+    )
 }
 
 fn deepest(summary: &RunSummary) -> String {

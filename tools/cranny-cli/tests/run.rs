@@ -213,11 +213,116 @@ fn the_text_summary_names_what_matters() {
     }
 }
 
+/// A hook on the way through a ring, which it does not touch though their hulls overlap.
+const THROUGH: &str = r#"(
+    step: 0.0625, duration: 2,
+    bodies: [
+        (name: "ring", shape: Generator(Torus(major_radius: 1, minor_radius: 0.2)), kind: Fixed),
+        (name: "bar", shape: Generator(Cuboid(size: (0.3, 0.3, 1))), kind: Kinematic,
+         pose: (at: (0.1, 0, -1.5)), velocity: (linear: (0, 0, 1.5))),
+        (name: "wall", shape: Generator(Cuboid(size: (2, 2, 0.2))), kind: Fixed, pose: (at: (0, 0, 1.5))),
+    ],
+    effects: [Trigger(), Proximity(within: 0.7)],
+)"#;
+
+/// What exact answers find every level finds; the summary says what was open, what it took and
+/// what it would have taken.
 #[test]
-fn what_later_versions_bring_is_refused_as_such() {
+fn levels_and_budgets_of_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("through.ron");
+    fs::write(&path, THROUGH).unwrap();
+    let path = path.to_str().unwrap();
+    let exact = run_json(path, &[]);
+    assert_eq!((&exact["accuracy"], &exact["budget"]), (&"exact".into(), &Value::Null));
+    assert_eq!(exact["estimates"], Value::Null);
+    let named = |line: &Value| {
+        let triggers = line["triggers"].as_array().unwrap().clone();
+        triggers.iter().map(|t| [t["a"].clone(), t["b"].clone()]).collect::<Vec<_>>()
+    };
+    assert_eq!(named(&exact), [["bar", "wall"]]);
+    for more in [
+        ["--accuracy", "boxes"],
+        ["--accuracy", "hulls"],
+        ["--accuracy", "caps"],
+        ["--accuracy", "tree:3"],
+        ["--budget", "0"],
+        ["--budget", "60"],
+    ] {
+        let line = run_json(path, &more);
+        assert!(named(&line).contains(&["bar".into(), "wall".into()]), "{more:?}: {line}");
+        assert_eq!(line["state_hash"], exact["state_hash"]);
+        assert!(line["estimates"]["pairs"]["mean"].as_f64().unwrap() > 0.0, "{line}");
+        let open = line["estimates"]["open"]["mean"].as_f64().unwrap();
+        let told = line["triggers"].as_array().unwrap().iter().any(|t| t["open"] != 0);
+        assert_eq!(open > 0.0, told, "{more:?}: {line}");
+        let level = if more[0] == "--accuracy" { more[1] } else { "exact" };
+        assert_eq!(line["accuracy"], level);
+        if more[0] == "--budget" {
+            assert_eq!(line["budget"].to_string(), more[1]);
+            let tests = line["tests"]["max"].as_u64().unwrap();
+            assert!(
+                tests <= more[1].parse().unwrap() && line["estimates"]["tests"]["max"] == tests
+            );
+        }
+    }
+    let text = cranny(&["run", path, "--accuracy", "hulls", "--budget", "500"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    for word in ["cranny, hulls, 500 tests a step", "counted as touching", "of them open"] {
+        assert!(text.contains(word), "{word:?} is missing in {text}");
+    }
+    let twice = ["--budget", "60", "--threads", "2"];
+    let [one, other] = [&twice[..2], &twice[..]].map(|more| run_json(path, more));
+    assert_eq!(one["estimates"], other["estimates"]);
+    assert_eq!(one["triggers"], other["triggers"]);
+}
+
+/// The recording says at which level it was made, and which events are open; a replay says what it
+/// cannot compute anew.
+#[test]
+fn a_recording_says_at_which_level_it_was_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("through.ron");
+    fs::write(&path, THROUGH).unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (path, recording) = (at("through.ron"), at("through.mcap"));
+    let of_run = ["--accuracy", "hulls", "--budget", "500", "--record", &recording];
+    run_json(&path, &of_run);
+    let opened = Recording::open(&recording).unwrap();
+    let metadata = opened.metadata("cranny").unwrap();
+    assert_eq!((&*metadata["accuracy"], &*metadata["budget"]), ("hulls", "500"));
+    let events: Vec<_> = opened.events().unwrap().into_iter().flat_map(|(_, e)| e.events).collect();
+    assert!(events.iter().any(|event| event.kind == "began" && event.open), "{events:?}");
+    assert!(events.iter().all(|event| event.kind == "began" || !event.open), "{events:?}");
+    let text = String::from_utf8(cranny(&["replay", &recording]).stdout).unwrap();
+    assert!(text.contains("hulls, 500 tests a step: they depend on what"), "{text}");
+    let line = summary(&cranny(&["replay", &recording, "--format", "json"]));
+    assert_eq!((&line["accuracy"], &line["budget"]), (&"hulls".into(), &"500".into()));
+    // An exact one says nothing of the kind.
+    let exact = at("exact.mcap");
+    run_json(&path, &["--record", &exact]);
+    let text = String::from_utf8(cranny(&["replay", &exact]).stdout).unwrap();
+    assert!(!text.contains("not anew"), "{text}");
+}
+
+#[test]
+fn levels_and_budgets_that_mean_nothing_are_refused() {
     let (_folder, scene) = scene();
-    let refused = cranny(&["run", &scene, "--accuracy", "hulls"]);
-    assert_refused(&refused, 2, &["--accuracy", "hulls", "later version"]);
+    let refused = |arguments: [&str; 2], words: &[&str]| {
+        for command in ["run", "explain"] {
+            let output = cranny(&[&[command, &*scene][..], &arguments].concat());
+            assert_refused(&output, 2, words);
+        }
+    };
+    refused(["--accuracy", "perfect"], &["--accuracy", "boxes, hulls, caps, tree:DEPTH or exact"]);
+    refused(["--accuracy", "tree"], &["how deep"]);
+    for none in ["-1", "1.5", "much"] {
+        refused(["--budget", none], &["--budget", none, "whole number", "unlimited"]);
+    }
+    // The scene has contacts and a solver.
+    refused(["--accuracy", "hulls"], &["`accuracy: Hulls`", "Response needs exact contacts"]);
+    refused(["--budget", "100"], &["`budget: 100`", "Response needs exact contacts"]);
+    assert_eq!(run_json(&scene, &["--accuracy", "exact", "--budget", "unlimited"])["steps"], 32);
     for none in ["0", "two"] {
         let refused = cranny(&["run", &scene, "--threads", none]);
         assert_refused(&refused, 2, &["--threads", none, "1 or more"]);

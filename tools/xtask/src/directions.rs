@@ -46,6 +46,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-geometry",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-estimate",
             "cranny-primitives",
         ],
     ),

@@ -16,7 +16,7 @@ use cranny_world::description::Effect;
 use crate::build::gate;
 
 const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
-const PROXIMITY: Effect = Effect::Proximity { within: 0.5 };
+const PROXIMITY: Effect = Effect::proximity(0.5);
 const FEEDBACK: Effect = Effect::ForceFeedback { stiffness: 100.0 };
 const SOUND: Effect = Effect::Sound { above: 0.1 };
 const DENTS: Effect = Effect::Deformation { hardness: 100.0, radius: 0.1 };
@@ -35,9 +35,9 @@ fn scheduled(app: &App, set: InternedSystemSet) -> bool {
 
 #[test]
 fn trigger_exists_where_it_is_named_and_only_there() {
-    for effects in [&[Effect::Trigger][..], &[CONTACTS], &[]] {
+    for effects in [&[Effect::TRIGGER][..], &[CONTACTS], &[]] {
         let app = app(effects);
-        let (app, named) = (app.app(), effects.contains(&Effect::Trigger));
+        let (app, named) = (app.app(), effects.contains(&Effect::TRIGGER));
         let world = app.world();
         assert_eq!(scheduled(app, TriggerSystems::Report.intern()), named);
         assert_eq!(scheduled(app, TriggerSystems::Detect.intern()), named);
@@ -53,7 +53,7 @@ fn trigger_exists_where_it_is_named_and_only_there() {
 
 #[test]
 fn contacts_exist_where_they_are_named_and_only_there() {
-    for effects in [&[CONTACTS][..], &[Effect::Trigger], &[]] {
+    for effects in [&[CONTACTS][..], &[Effect::TRIGGER], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&CONTACTS));
         let world = app.world();
@@ -66,7 +66,7 @@ fn contacts_exist_where_they_are_named_and_only_there() {
 
 #[test]
 fn proximity_exists_where_it_is_named_and_only_there() {
-    for effects in [&[PROXIMITY][..], &[Effect::Trigger], &[]] {
+    for effects in [&[PROXIMITY][..], &[Effect::TRIGGER], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&PROXIMITY));
         assert_eq!(scheduled(app, ProximitySystems::Report.intern()), named);
@@ -78,7 +78,7 @@ fn proximity_exists_where_it_is_named_and_only_there() {
 #[cfg(feature = "rapier")]
 #[test]
 fn response_exists_where_it_is_named_and_only_there() {
-    for effects in [&[Effect::Response][..], &[CONTACTS, Effect::Trigger], &[]] {
+    for effects in [&[Effect::Response][..], &[CONTACTS, Effect::TRIGGER], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&Effect::Response));
         for set in [ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Advance] {
@@ -112,7 +112,7 @@ fn continuous_exists_where_it_is_named_and_only_there() {
 
 #[test]
 fn penetration_exists_where_it_is_named_and_only_there() {
-    for effects in [&[Effect::Penetration][..], &[Effect::Trigger], &[]] {
+    for effects in [&[Effect::Penetration][..], &[Effect::TRIGGER], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&Effect::Penetration));
         assert_eq!(scheduled(app, PenetrationSystems::Report.intern()), named);
@@ -123,13 +123,13 @@ fn penetration_exists_where_it_is_named_and_only_there() {
 
 #[test]
 fn force_feedback_exists_where_it_is_named_and_only_there() {
-    for effects in [&[FEEDBACK][..], &[Effect::Trigger], &[]] {
+    for effects in [&[FEEDBACK][..], &[Effect::TRIGGER], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&FEEDBACK));
         assert_eq!(scheduled(app, ForceFeedbackSystems::Feel.intern()), named);
         assert_eq!(app.world().contains_resource::<ForceFeedbackReport>(), named);
         // It detects by itself.
-        assert_eq!(app.world().contains_resource::<Detector>(), effects.contains(&Effect::Trigger));
+        assert_eq!(app.world().contains_resource::<Detector>(), effects.contains(&Effect::TRIGGER));
     }
 }
 
@@ -237,7 +237,7 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let of_detection = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK];
+    let of_detection = [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK];
     let of_response = [Effect::Response, Effect::Continuous, SOUND, DENTS];
     let count = if cfg!(feature = "rapier") { 9 } else { 5 };
     let all = [&of_detection[..], &of_response].concat();
@@ -280,8 +280,8 @@ fn one_effect_more_is_exactly_its_systems_more() {
 
 #[test]
 fn a_second_effect_shares_detection_with_the_first() {
-    let one = app(&[Effect::Trigger]).plan().unwrap();
-    let both = app(&[Effect::Trigger, CONTACTS]).plan().unwrap();
+    let one = app(&[Effect::TRIGGER]).plan().unwrap();
+    let both = app(&[Effect::TRIGGER, CONTACTS]).plan().unwrap();
     let more: Vec<String> = names(&both).difference(&names(&one)).cloned().collect();
     assert_eq!(
         more,
@@ -292,7 +292,7 @@ fn a_second_effect_shares_detection_with_the_first() {
 #[test]
 fn the_plan_tells_order_pairs_and_reasons() {
     let mut description = gate(&[]);
-    description.bodies[1].effects = vec![Effect::Trigger];
+    description.bodies[1].effects = vec![Effect::TRIGGER];
     let third = crate::build::cube(
         "aside",
         cranny_world::description::BodyKind::Fixed,
@@ -321,7 +321,7 @@ fn the_plan_tells_order_pairs_and_reasons() {
 #[test]
 fn no_concavity_is_made_for_a_scene_whose_effects_need_none() {
     // A cube goes through a cup's wall, across its well and out again.
-    let mut scene = gate(&[Effect::Trigger, CONTACTS]);
+    let mut scene = gate(&[Effect::TRIGGER, CONTACTS]);
     scene.bodies[0].collision = Arc::new(Cup::default().build().unwrap());
     let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
     let mut done = Counters::default();

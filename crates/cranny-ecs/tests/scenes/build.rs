@@ -9,7 +9,8 @@ use cranny_ecs::{Collider, PluginOptions, RunOptions, SceneApp};
 use cranny_exact::{DVec3, Pose};
 use cranny_shapes::Cuboid;
 use cranny_world::description::{
-    BodyDescription, BodyKind, Effect, Material, Normals, RecordDescription, SceneDescription,
+    Accuracy, BodyDescription, BodyKind, Effect, Material, Normals, RecordDescription,
+    SceneDescription,
 };
 
 /// A unit cube.
@@ -44,6 +45,8 @@ pub(crate) fn scene(bodies: Vec<BodyDescription>, effects: &[Effect]) -> SceneDe
         joints: Vec::new(),
         excluded_pairs: Vec::new(),
         effects: effects.to_vec(),
+        accuracy: Accuracy::Exact,
+        budget: None,
         pairs: Vec::new(),
         cameras: Vec::new(),
         record: RecordDescription::default(),

@@ -32,7 +32,7 @@ fn first_start(app: &mut SceneApp, of: Entity, within: usize) -> (CollisionStart
 
 #[test]
 fn what_bounces_off_between_two_poses_is_reported_with_place_speed_and_impulse() {
-    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    let mut app = empty(&[Effect::Response, Effect::TRIGGER]);
     let bouncy = Restitution::new(1.0);
     let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), bouncy)).id();
     let fast = LinearVelocity(Vec3::new(0.0, 0.0, -12.0));
@@ -82,7 +82,7 @@ fn contacts_are_read_by_entity() {
 
 #[test]
 fn a_trigger_alone_computes_no_contact() {
-    let mut app = empty(&[Effect::Trigger]);
+    let mut app = empty(&[Effect::TRIGGER]);
     world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
     let passing =
         (RigidBody::Kinematic, unit(), up(2.0), LinearVelocity(Vec3::new(0.0, 0.0, -6.0)));
@@ -93,7 +93,7 @@ fn a_trigger_alone_computes_no_contact() {
 
 #[test]
 fn contacts_without_a_solver_tell_the_speed_and_no_impulse() {
-    let mut app = empty(&[Effect::Trigger, Effect::Contacts { margin: 0.0 }]);
+    let mut app = empty(&[Effect::TRIGGER, Effect::Contacts { margin: 0.0 }]);
     world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
     let passing =
         (RigidBody::Kinematic, unit(), up(2.0), LinearVelocity(Vec3::new(0.0, 0.0, -6.0)));
@@ -106,7 +106,7 @@ fn contacts_without_a_solver_tell_the_speed_and_no_impulse() {
 #[test]
 fn a_start_has_its_contact_whoever_reads_contacts() {
     for margin in [0.0, 0.5] {
-        let mut app = empty(&[Effect::Response, Effect::Trigger, Effect::Contacts { margin }]);
+        let mut app = empty(&[Effect::Response, Effect::TRIGGER, Effect::Contacts { margin }]);
         let bouncy = Restitution::new(1.0);
         world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), bouncy));
         let fast = LinearVelocity(Vec3::new(0.0, 0.0, -12.0));
@@ -159,7 +159,7 @@ impl CollisionHooks for Ghosts<'_, '_> {
 
 #[test]
 fn a_pair_that_is_filtered_passes_and_is_still_reported() {
-    let mut app = hooked::<Ghosts>(&[Effect::Response, Effect::Trigger]);
+    let mut app = hooked::<Ghosts>(&[Effect::Response, Effect::TRIGGER]);
     let world = app.world_mut();
     let floor = world.spawn((RigidBody::Fixed, cuboid([9.0, 9.0, 1.0]), up(0.0))).id();
     let ghost = world.spawn((RigidBody::Dynamic, unit(), up(1.1), Ghost)).id();
@@ -264,7 +264,7 @@ fn a_platform_lets_pass_from_below_and_holds_from_above() {
 /// A bar turns about its middle, and meets a ball by its end.
 #[test]
 fn the_speed_of_a_contact_counts_turning() {
-    let mut app = empty(&[Effect::Trigger, Effect::Contacts { margin: 0.0 }]);
+    let mut app = empty(&[Effect::TRIGGER, Effect::Contacts { margin: 0.0 }]);
     let turning = AngularVelocity(Vec3::new(0.0, 0.0, 2.0));
     let turning = (LinearVelocity(Vec3::ZERO), turning);
     let bar = (RigidBody::Kinematic, cuboid([4.0, 0.25, 0.25]), up(0.0), turning);
@@ -280,7 +280,7 @@ fn the_speed_of_a_contact_counts_turning() {
 /// It comes so slowly that its contacts were searched before it touched, and carried on since.
 #[test]
 fn a_slow_landing_tells_its_contact() {
-    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    let mut app = empty(&[Effect::Response, Effect::TRIGGER]);
     world(&mut app).insert_resource(Gravity(DVec3::ZERO));
     let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
     let slow = LinearVelocity(Vec3::new(0.0, 0.0, -0.01));

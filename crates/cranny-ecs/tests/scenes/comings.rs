@@ -112,7 +112,7 @@ proptest! {
     fn whatever_comes_and_goes_leaves_nothing_and_repeats_to_the_bit(
         acts in prop::collection::vec(act(), 60),
     ) {
-        let effects = [Effect::Trigger, Effect::Response];
+        let effects = [Effect::TRIGGER, Effect::Response];
         let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
         let run = || {
             let mut app = empty(effects);
@@ -127,7 +127,7 @@ proptest! {
 
 #[test]
 fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
-    let effects = [Effect::Trigger, Effect::Response];
+    let effects = [Effect::TRIGGER, Effect::Response];
     let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
     let run = || {
         let mut app = empty(effects);
@@ -165,7 +165,7 @@ fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
 
 #[test]
 fn a_summary_names_what_triggered_and_is_gone() {
-    let mut app = empty(&[Effect::Trigger]);
+    let mut app = empty(&[Effect::TRIGGER]);
     let body = |app: &mut SceneApp, kind, x: f32, name: &'static str| {
         let place = Transform::from_xyz(x, 0.0, 0.0);
         world(app).spawn((kind, unit(), place, Name::new(name))).id()

@@ -123,7 +123,7 @@ fn readers_change_no_dent() {
     };
     let alone = run(&[Effect::Response]);
     assert!(!alone.is_empty());
-    let read = [Effect::Response, Effect::Trigger, Effect::Contacts { margin: 0.0 }];
+    let read = [Effect::Response, Effect::TRIGGER, Effect::Contacts { margin: 0.0 }];
     assert_eq!(run(&read), alone);
 }
 

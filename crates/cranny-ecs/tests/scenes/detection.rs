@@ -34,7 +34,7 @@ fn messages<M: Message + Copy>(app: &SceneApp) -> Vec<M> {
 
 #[test]
 fn touching_is_told_once_a_pair_by_message_and_to_each_body_by_event() {
-    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let mut app = SceneApp::new(&gate(&[Effect::TRIGGER]), &RunOptions::default()).unwrap();
     listen(&mut app);
     let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
     let (mut starts, mut ends) = (Vec::new(), Vec::new());
@@ -65,7 +65,7 @@ fn touching_is_told_once_a_pair_by_message_and_to_each_body_by_event() {
 
 #[test]
 fn a_body_that_is_despawned_ends_what_it_touched() {
-    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let mut app = SceneApp::new(&gate(&[Effect::TRIGGER]), &RunOptions::default()).unwrap();
     listen(&mut app);
     (0..15).for_each(|_| assert!(app.step().unwrap()));
     let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
@@ -88,7 +88,8 @@ fn pairs_without_the_effect_hear_nothing() {
     description.pairs = vec![PairDescription {
         a: "far".into(),
         b: "guest".into(),
-        effects: vec![Effect::Trigger],
+        effects: vec![Effect::TRIGGER],
+        accuracy: None,
     }];
     let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
     listen(&mut app);
@@ -170,7 +171,7 @@ fn whoever_moves_the_transform_moves_the_body() {
 #[test]
 fn what_nobody_moves_is_said_to_stand_still() {
     let bodies = vec![cube("b", BodyKind::Dynamic, DVec3::ZERO, DVec3::ZERO)];
-    let app = SceneApp::new(&scene(bodies, &[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let app = SceneApp::new(&scene(bodies, &[Effect::TRIGGER]), &RunOptions::default()).unwrap();
     let summary = app.finish().unwrap();
     assert_eq!((summary.steps, summary.simulated_s), (0, 0.0));
     assert!(summary.skipped[0].what.contains("1 dynamic"));
@@ -183,7 +184,12 @@ fn a_scene_that_contradicts_itself_is_refused() {
         SceneApp::new(&description, &RunOptions::default()).err().unwrap().to_string()
     };
     let mut unknown = gate(&[]);
-    unknown.pairs = vec![PairDescription { a: "gate".into(), b: "nobody".into(), effects: vec![] }];
+    unknown.pairs = vec![PairDescription {
+        a: "gate".into(),
+        b: "nobody".into(),
+        effects: vec![],
+        accuracy: None,
+    }];
     assert!(refused(unknown).contains("'nobody'"));
     let mut index = gate(&[]);
     index.excluded_pairs = vec![(0, 7)];

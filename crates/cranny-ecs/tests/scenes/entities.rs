@@ -30,7 +30,7 @@ fn stack(app: &mut SceneApp) -> [Entity; 2] {
 #[cfg(feature = "rapier")]
 #[test]
 fn a_body_that_is_spawned_while_the_app_runs_falls_and_rests_and_is_reported_as_all_are() {
-    let mut app = empty(&[Effect::Response, Effect::Trigger, CONTACTS]);
+    let mut app = empty(&[Effect::Response, Effect::TRIGGER, CONTACTS]);
     steps(&mut app, 3);
     let [floor, upper] = stack(&mut app);
     let third =
@@ -65,7 +65,7 @@ fn a_body_that_is_spawned_while_the_app_runs_falls_and_rests_and_is_reported_as_
 #[cfg(feature = "rapier")]
 #[test]
 fn a_scene_and_the_same_bodies_spawned_by_hand_end_in_the_same_state() {
-    let effects = [Effect::Response, Effect::Trigger];
+    let effects = [Effect::Response, Effect::TRIGGER];
     let mut described = drop(&effects);
     described.bodies[1].linear_velocity = DVec3::new(0.5, 0.0, 0.0);
     described.bodies[1].material.friction = 0.25;
@@ -202,7 +202,7 @@ fn friction_and_restitution_are_components() {
 #[cfg(feature = "rapier")]
 #[test]
 fn a_sensor_is_noticed_and_pushes_nothing() {
-    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    let mut app = empty(&[Effect::Response, Effect::TRIGGER]);
     let gate = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), Sensor)).id();
     let ball = world(&mut app).spawn((RigidBody::Dynamic, unit(), up(2.0))).id();
     let (mut starts, mut ends) = (Vec::new(), Vec::new());
@@ -345,7 +345,7 @@ fn bodies_and_pairs_ask_for_effects_that_the_app_has() {
 #[test]
 fn what_cannot_be_a_body_is_said() {
     let said = |spawn: &dyn Fn(&mut World)| {
-        let mut app = empty(&[Effect::Trigger]);
+        let mut app = empty(&[Effect::TRIGGER]);
         spawn(world(&mut app));
         app.step().unwrap_err().to_string()
     };
@@ -376,7 +376,7 @@ fn drop_entity(_: Entity) {}
 
 #[test]
 fn a_collider_that_is_removed_takes_the_body_out_and_another_brings_a_new_one() {
-    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let mut app = SceneApp::new(&gate(&[Effect::TRIGGER]), &RunOptions::default()).unwrap();
     steps(&mut app, 15);
     let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
     world(&mut app).entity_mut(guest).remove::<Collider>();
@@ -399,7 +399,7 @@ fn a_collider_that_is_removed_takes_the_body_out_and_another_brings_a_new_one() 
 fn a_recording_shows_who_comes_and_goes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
-    let mut description = scene(Vec::new(), &[Effect::Trigger]);
+    let mut description = scene(Vec::new(), &[Effect::TRIGGER]);
     description.bodies.push(cube("post", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO));
     let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
     let mut app = SceneApp::new(&description, &options).unwrap();
@@ -423,7 +423,7 @@ fn a_recording_shows_who_comes_and_goes() {
 /// The pattern of bullets: whoever is hit takes the other out, in the step in which it is reported.
 #[test]
 fn a_body_that_is_despawned_as_its_collision_is_reported_ends_in_the_next_step() {
-    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let mut app = SceneApp::new(&gate(&[Effect::TRIGGER]), &RunOptions::default()).unwrap();
     let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
     let post = app.app().world().resource::<Bodies>().get(BodyId(0)).unwrap().entity;
     app.app_mut().add_observer(move |hit: On<CollisionStart>, mut commands: Commands| {
@@ -495,7 +495,7 @@ fn a_body_that_asks_for_no_response_any_more_stands_still() {
 fn what_was_spawned_before_the_plugins_is_a_body_too_and_a_parent_is_refused() {
     let mut app = bevy_app::App::empty();
     let early = app.world_mut().spawn((Name::new("early"), unit(), up(0.0))).id();
-    app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[Effect::Trigger]).unwrap());
+    app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[Effect::TRIGGER]).unwrap());
     let world = app.world_mut();
     world.run_schedule(CrannyStep);
     assert_eq!(world.get::<Body>(early).map(|body| body.id), Some(BodyId(0)));

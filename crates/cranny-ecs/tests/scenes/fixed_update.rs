@@ -11,7 +11,7 @@ use crate::build::gate;
 
 #[test]
 fn steps_follow_the_fixed_time_step() {
-    let scene = gate(&[Effect::Trigger]);
+    let scene = gate(&[Effect::TRIGGER]);
     let mut app = App::new();
     app.add_plugins(TimePlugin);
     app.add_plugins(CrannyPlugins::from_scene(&scene, &PluginOptions::default()).unwrap());

@@ -11,6 +11,7 @@ mod detection;
 mod entities;
 mod fixed_update;
 mod force_feedback;
+mod levels;
 mod links;
 mod parts;
 mod paths;

@@ -40,7 +40,7 @@ fn table(app: &mut SceneApp, place: Transform) -> (Entity, [Entity; 4]) {
 #[cfg(feature = "rapier")]
 #[test]
 fn a_table_stands_on_its_legs_and_a_ball_rolls_below() {
-    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    let mut app = empty(&[Effect::Response, Effect::TRIGGER]);
     world(&mut app).spawn((cuboid([9.0, 9.0, 1.0]), up(-0.5)));
     let (table, legs) = table(&mut app, up(1.2));
     let below = world(&mut app).spawn((RigidBody::Dynamic, cuboid([0.5; 3]), up(0.3))).id();

@@ -50,7 +50,7 @@ fn distance(a: &Pose, b: &Pose) -> f64 {
 
 fn effects() -> Vec<Vec<Effect>> {
     let with_solver = cfg!(feature = "rapier").then(|| vec![Effect::Response]);
-    with_solver.into_iter().chain([vec![Effect::Trigger]]).collect()
+    with_solver.into_iter().chain([vec![Effect::TRIGGER]]).collect()
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_path_on_a_body_that_is_not_kinematic_is_refused() {
         kind: BodyKind::Dynamic,
         ..led(&[key(0.0, DVec3::ZERO, PI)], PathEnd::Hold)
     };
-    let scene = scene(vec![body], &[Effect::Trigger]);
+    let scene = scene(vec![body], &[Effect::TRIGGER]);
     let error = SceneApp::new(&scene, &RunOptions::default()).err().unwrap().to_string();
     assert!(error.contains("'led'") && error.contains("kinematic"), "{error}");
 }

@@ -81,7 +81,7 @@ fn what_lies_inside_has_a_way_and_no_depth() {
 #[cfg(feature = "rapier")]
 #[test]
 fn other_effects_of_a_pair_change_no_way() {
-    let others = [Effect::Trigger, Effect::Contacts { margin: 0.1 }, Effect::Response];
+    let others = [Effect::TRIGGER, Effect::Contacts { margin: 0.1 }, Effect::Response];
     let run = |effects: &[Effect]| {
         let mut app = empty(&[&[Effect::Penetration], effects].concat());
         world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
@@ -95,7 +95,7 @@ fn other_effects_of_a_pair_change_no_way() {
     };
     let alone = run(&others[2..]);
     assert!(alone[0].is_some());
-    for effects in [&others[..], &others[1..], &[Effect::Trigger, Effect::Response]] {
+    for effects in [&others[..], &others[1..], &[Effect::TRIGGER, Effect::Response]] {
         assert_eq!(run(effects), alone, "{effects:?}");
     }
     assert_eq!(run(&[]), vec![alone[0]; 10], "without a solver it stands still");

@@ -9,7 +9,7 @@ use cranny_world::description::Effect;
 
 use crate::build::{empty, gate, steps, unit, up, world};
 
-const NEAR: Effect = Effect::Proximity { within: 0.6 };
+const NEAR: Effect = Effect::proximity(0.6);
 
 fn report(app: &SceneApp) -> &ProximityReport {
     app.app().world().resource::<ProximityReport>()
@@ -33,11 +33,12 @@ fn what_is_nearer_is_reported_with_points_and_speed_and_what_is_not_costs_no_que
         seen.push(near);
         if gap > 0.0 {
             let speed = if x < 0.0 { 1.0 } else { -1.0 };
-            assert!((near.speed - speed).abs() < 1e-6, "step {step}: {near:?}");
-            let way = near.points[1] - near.points[0]; // from the gate to the guest
+            assert!((near.speed.unwrap() - speed).abs() < 1e-6, "step {step}: {near:?}");
+            let [p, q] = near.points.unwrap();
+            let way = q - p; // from the gate to the guest
             assert!((way - gap * x.signum() * DVec3::X).length() < 1e-12, "{near:?}");
         } else {
-            assert_eq!((near.distance, near.speed), (0.0, 0.0));
+            assert_eq!((near.distance, near.speed), (0.0, Some(0.0)));
         }
     }
     assert_eq!(seen.len(), 13);
@@ -56,9 +57,9 @@ fn the_nearest_is_seen_from_the_body_that_asks() {
     steps(&mut app, 1);
     let nearest = report(&app).nearest(me).unwrap();
     assert_eq!((nearest.body, nearest.other), (me, right));
-    assert!((nearest.distance - 0.25).abs() < 1e-7 && (nearest.speed - 2.0).abs() < 1e-6);
-    let all: Vec<(Entity, f64)> = report(&app).of(me).map(|p| (p.other, p.speed)).collect();
-    assert_eq!(all, [(left, -2.0), (right, 2.0)]);
+    assert!((nearest.distance - 0.25).abs() < 1e-7 && (nearest.speed.unwrap() - 2.0).abs() < 1e-6);
+    let all: Vec<(Entity, Option<f64>)> = report(&app).of(me).map(|p| (p.other, p.speed)).collect();
+    assert_eq!(all, [(left, Some(-2.0)), (right, Some(2.0))]);
     assert_eq!(report(&app).nearest(far), None);
 }
 
@@ -67,7 +68,7 @@ fn the_nearest_is_seen_from_the_body_that_asks() {
 #[cfg(feature = "rapier")]
 #[test]
 fn other_effects_of_a_pair_change_no_distance() {
-    let others = [Effect::Trigger, Effect::Contacts { margin: 0.1 }, Effect::Response];
+    let others = [Effect::TRIGGER, Effect::Contacts { margin: 0.1 }, Effect::Response];
     let run = |effects: &[Effect]| {
         let mut app = empty(&[&[NEAR], effects].concat());
         world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
@@ -84,7 +85,7 @@ fn other_effects_of_a_pair_change_no_distance() {
     let alone = run(&others[2..]);
     let lengths: Vec<f64> = alone.iter().flatten().map(|(distance, _)| *distance).collect();
     assert!(lengths.len() > 50 && lengths.contains(&0.0) && lengths[0] > 0.3, "{lengths:?}");
-    let answered = [Effect::Trigger, Effect::Response];
+    let answered = [Effect::TRIGGER, Effect::Response];
     for effects in [&others[..], &others[1..], &answered] {
         assert_eq!(run(effects), alone, "{effects:?}");
     }
@@ -99,7 +100,7 @@ fn other_effects_of_a_pair_change_no_distance() {
 #[test]
 fn a_distance_that_is_none_is_refused() {
     for within in [0.0, -1.0, f64::NAN] {
-        let refused = SceneApp::new(&gate(&[Effect::Proximity { within }]), &RunOptions::default());
+        let refused = SceneApp::new(&gate(&[Effect::proximity(within)]), &RunOptions::default());
         let refused = refused.err().expect("it is no distance").to_string();
         assert!(refused.contains("`within` of Proximity of the scene"), "{refused}");
     }

@@ -7,7 +7,7 @@ use cranny_world::description::Effect;
 
 use crate::build::gate;
 
-const EFFECTS: [Effect; 2] = [Effect::Trigger, Effect::Contacts { margin: 0.1 }];
+const EFFECTS: [Effect; 2] = [Effect::TRIGGER, Effect::Contacts { margin: 0.1 }];
 
 #[test]
 fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones() {

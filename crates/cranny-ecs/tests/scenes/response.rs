@@ -32,7 +32,7 @@ fn height(app: &SceneApp, name: &str) -> f32 {
 
 #[test]
 fn a_box_falls_and_rests_and_is_detected_once() {
-    let effects = [Effect::Response, CONTACTS, Effect::Trigger];
+    let effects = [Effect::Response, CONTACTS, Effect::TRIGGER];
     let mut app = SceneApp::new(&drop(&effects), &RunOptions::default()).unwrap();
     run(&mut app);
     assert!((height(&app, "box") - 1.0).abs() < 0.01, "{}", height(&app, "box"));
@@ -58,7 +58,7 @@ fn the_same_run_ends_in_the_same_state_whoever_watches() {
     };
     let alone = state(&[Effect::Response]);
     assert_eq!(alone, state(&[Effect::Response]));
-    assert_eq!(alone, state(&[Effect::Response, CONTACTS, Effect::Trigger]));
+    assert_eq!(alone, state(&[Effect::Response, CONTACTS, Effect::TRIGGER]));
     let mut moved = drop(&[Effect::Response]);
     moved.bodies[1].pose.translation.x += 0.25;
     let mut app = SceneApp::new(&moved, &RunOptions::default()).unwrap();
@@ -121,6 +121,7 @@ fn only_pairs_that_are_asked_respond() {
         a: "solid".into(),
         b: "floor".into(),
         effects: vec![Effect::Response],
+        accuracy: None,
     }];
     let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
     run(&mut app);
@@ -148,7 +149,7 @@ fn a_sensor_of_a_scene_is_noticed_and_stops_nothing() {
         let mut floor = cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
         floor.sensor = sensor;
         let falling = cube("box", BodyKind::Dynamic, DVec3::Z * 1.25, DVec3::ZERO);
-        let effects = [Effect::Response, Effect::Trigger];
+        let effects = [Effect::Response, Effect::TRIGGER];
         let options = RunOptions::default();
         let mut app = SceneApp::new(&scene(vec![floor, falling], &effects), &options).unwrap();
         let mut starts = 0;

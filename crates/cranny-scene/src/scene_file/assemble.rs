@@ -17,8 +17,8 @@ use cranny_world::description::{
 use super::geometry::CollisionGeometry;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, MassFile, PairFile, PileFile,
-    PoseFile, PresetFile, SceneFile, ShapeFile, effects,
+    AccuracyFile, BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, MassFile, PairFile,
+    PileFile, PoseFile, PresetFile, SceneFile, ShapeFile, effects,
 };
 use super::values::Finite;
 use super::{LoadOptions, locate, mass, pile, place_robot};
@@ -43,6 +43,8 @@ pub(super) fn assemble(
         joints: Vec::new(),
         excluded_pairs: Vec::new(),
         effects: effects(&scene.effects),
+        accuracy: scene.accuracy.level(),
+        budget: scene.budget,
         pairs: Vec::new(),
         cameras: Vec::new(),
         record: scene.record.description(scene.step.0),
@@ -391,9 +393,10 @@ impl Assembly<'_> {
             return Err(self.source.error(place, SceneProblem::Contradiction(what)));
         }
         if !pair.collide {
-            if !pair.effects.is_empty() {
+            if !pair.effects.is_empty() || pair.accuracy.is_some() {
+                let has = if pair.effects.is_empty() { "an accuracy" } else { "effects" };
                 let what = format!(
-                    "the pair {:?} and {:?} has effects, but `collide: false` keeps it from meeting. Keep one of the two",
+                    "the pair {:?} and {:?} has {has}, but `collide: false` keeps it from meeting. Keep one of the two",
                     pair.a, pair.b
                 );
                 let place = self.source.find("b", &pair.b);
@@ -406,6 +409,7 @@ impl Assembly<'_> {
             a: pair.a.clone(),
             b: pair.b.clone(),
             effects: effects(&pair.effects),
+            accuracy: pair.accuracy.map(AccuracyFile::level),
         });
         Ok(())
     }

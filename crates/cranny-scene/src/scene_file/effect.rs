@@ -6,10 +6,13 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use cranny_world::description::Effect;
-use serde::de::{self, EnumAccess, VariantAccess, Visitor};
+use cranny_world::description::{Accuracy, Effect};
+use serde::de::{
+    self, DeserializeSeed, EnumAccess, IntoDeserializer, MapAccess, VariantAccess, Visitor,
+};
 use serde::{Deserialize, Deserializer};
 
+use super::syntax::AccuracyFile;
 use super::values::{NotNegative, Positive};
 
 /// What this version computes.
@@ -56,29 +59,49 @@ impl<'de> Visitor<'de> for EffectVisitor {
     fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<EffectFile, A::Error> {
         let (name, content) = data.variant::<Name>()?;
         let effect = match name {
-            Name::Trigger => content.struct_variant(&[], Nothing).map(|()| Effect::Trigger),
-            Name::Response => content.struct_variant(&[], Nothing).map(|()| Effect::Response),
-            Name::Continuous => content.struct_variant(&[], Nothing).map(|()| Effect::Continuous),
+            Name::Trigger => content
+                .struct_variant(
+                    &["accuracy"],
+                    Parameters::<TriggerFile>::new("the parameter accuracy"),
+                )
+                .map(|TriggerFile { accuracy }| Effect::Trigger { accuracy: level(accuracy) }),
+            Name::Response => {
+                content.struct_variant(&[], Nothing("Response")).map(|()| Effect::Response)
+            }
+            Name::Continuous => {
+                content.struct_variant(&[], Nothing("Continuous")).map(|()| Effect::Continuous)
+            }
             Name::Proximity => content
                 .struct_variant(
-                    &["within"],
-                    Parameters::<ProximityFile>::new("the parameter within"),
+                    &["within", "accuracy"],
+                    Parameters::<ProximityFile>::new("the parameters within and accuracy"),
                 )
-                .map(|ProximityFile { within }| Effect::Proximity { within: within.0 }),
+                .map(|ProximityFile { within, accuracy }| Effect::Proximity {
+                    within: within.0,
+                    accuracy: level(accuracy),
+                }),
             Name::Contacts => content
                 .struct_variant(
                     &["margin"],
-                    Parameters::<ContactsFile>::new("the parameter margin"),
+                    Parameters::<ContactsFile>::exact("Contacts", "the parameter margin"),
                 )
                 .map(|ContactsFile { margin }| Effect::Contacts { margin: margin.0 }),
-            Name::Penetration => content.struct_variant(&[], Nothing).map(|()| Effect::Penetration),
+            Name::Penetration => {
+                content.struct_variant(&[], Nothing("Penetration")).map(|()| Effect::Penetration)
+            }
             Name::Sound => content
-                .struct_variant(&["above"], Parameters::<SoundFile>::new("the parameter above"))
+                .struct_variant(
+                    &["above"],
+                    Parameters::<SoundFile>::exact("Sound", "the parameter above"),
+                )
                 .map(|SoundFile { above }| Effect::Sound { above: above.0 }),
             Name::Deformation => content
                 .struct_variant(
                     &["hardness", "radius"],
-                    Parameters::<DeformationFile>::new("the parameters hardness and radius"),
+                    Parameters::<DeformationFile>::exact(
+                        "Deformation",
+                        "the parameters hardness and radius",
+                    ),
                 )
                 .map(|DeformationFile { hardness, radius }| Effect::Deformation {
                     hardness: hardness.0,
@@ -87,7 +110,10 @@ impl<'de> Visitor<'de> for EffectVisitor {
             Name::ForceFeedback => content
                 .struct_variant(
                     &["stiffness"],
-                    Parameters::<ForceFeedbackFile>::new("the parameter stiffness"),
+                    Parameters::<ForceFeedbackFile>::exact(
+                        "ForceFeedback",
+                        "the parameter stiffness",
+                    ),
                 )
                 .map(|ForceFeedbackFile { stiffness }| Effect::ForceFeedback {
                     stiffness: stiffness.0,
@@ -145,8 +171,8 @@ impl Visitor<'_> for NameVisitor {
     }
 }
 
-/// An effect without parameters.
-struct Nothing;
+/// An effect without parameters, by its name.
+struct Nothing(&'static str);
 
 impl<'de> Visitor<'de> for Nothing {
     type Value = ();
@@ -155,8 +181,9 @@ impl<'de> Visitor<'de> for Nothing {
         write!(f, "no parameters")
     }
 
-    fn visit_map<A: de::MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         match map.next_key::<String>()? {
+            Some(field) if field == "accuracy" => Err(has_no_level(self.0)),
             Some(field) => Err(de::Error::custom(format!(
                 "unexpected parameter {field}: this effect has none"
             ))),
@@ -165,15 +192,28 @@ impl<'de> Visitor<'de> for Nothing {
     }
 }
 
+fn has_no_level<E: de::Error>(effect: &str) -> E {
+    E::custom(format!(
+        "effect {effect} needs exact contacts, so it has no `accuracy`: Trigger and Proximity have one"
+    ))
+}
+
 /// Parameters by name, as a structure has them.
 struct Parameters<T> {
     expected: &'static str,
+    /// The effect's name, where it has no level.
+    exact: Option<&'static str>,
     of: PhantomData<T>,
 }
 
 impl<T> Parameters<T> {
     fn new(expected: &'static str) -> Self {
-        Self { expected, of: PhantomData }
+        Self { expected, exact: None, of: PhantomData }
+    }
+
+    /// Of an effect that needs exact contacts.
+    fn exact(effect: &'static str, expected: &'static str) -> Self {
+        Self { exact: Some(effect), ..Self::new(expected) }
     }
 }
 
@@ -184,15 +224,58 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Parameters<T> {
         f.write_str(self.expected)
     }
 
-    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-        T::deserialize(de::value::MapAccessDeserializer::new(map))
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        match self.exact {
+            None => T::deserialize(de::value::MapAccessDeserializer::new(map)),
+            Some(effect) => {
+                T::deserialize(de::value::MapAccessDeserializer::new(WithoutLevel { map, effect }))
+            }
+        }
     }
+}
+
+/// Parameters among which `accuracy` gets an error of its own.
+struct WithoutLevel<A> {
+    map: A,
+    effect: &'static str,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for WithoutLevel<A> {
+    type Error = A::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, A::Error> {
+        match self.map.next_key::<String>()? {
+            None => Ok(None),
+            Some(key) if key == "accuracy" => Err(has_no_level(self.effect)),
+            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
+        }
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
+        self.map.next_value_seed(seed)
+    }
+}
+
+fn level(accuracy: Option<AccuracyFile>) -> Option<Accuracy> {
+    accuracy.map(AccuracyFile::level)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TriggerFile {
+    #[serde(default)]
+    accuracy: Option<AccuracyFile>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProximityFile {
     within: Positive,
+    #[serde(default)]
+    accuracy: Option<AccuracyFile>,
 }
 
 #[derive(Deserialize)]

@@ -8,7 +8,7 @@ use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Repair;
 use cranny_shapes::Shape;
 use cranny_world::description::{
-    BodyKind, Effect, Interpolation, Material, Normals, PathEnd, RecordDescription,
+    Accuracy, BodyKind, Effect, Interpolation, Material, Normals, PathEnd, RecordDescription,
 };
 use ron::extensions::Extensions;
 use serde::Deserialize;
@@ -47,6 +47,10 @@ pub(super) struct SceneFile {
     pub(super) joints: Vec<JointFile>,
     #[serde(default)]
     pub(super) effects: Vec<EffectFile>,
+    #[serde(default)]
+    pub(super) accuracy: AccuracyFile,
+    #[serde(default)]
+    pub(super) budget: Option<u64>,
     #[serde(default)]
     pub(super) pairs: Vec<PairFile>,
     #[serde(default)]
@@ -566,6 +570,32 @@ pub(super) struct PairFile {
     pub(super) collide: bool,
     #[serde(default)]
     pub(super) effects: Vec<EffectFile>,
+    #[serde(default)]
+    pub(super) accuracy: Option<AccuracyFile>,
+}
+
+/// How exactly triggers and distances are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Accuracy")]
+pub(super) enum AccuracyFile {
+    Boxes,
+    Hulls,
+    Caps,
+    Tree(u8),
+    #[default]
+    Exact,
+}
+
+impl AccuracyFile {
+    pub(super) fn level(self) -> Accuracy {
+        match self {
+            Self::Boxes => Accuracy::Boxes,
+            Self::Hulls => Accuracy::Hulls,
+            Self::Caps => Accuracy::Caps,
+            Self::Tree(depth) => Accuracy::Tree(depth),
+            Self::Exact => Accuracy::Exact,
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]

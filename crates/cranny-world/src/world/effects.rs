@@ -8,7 +8,7 @@ use super::{Pair, World};
 use crate::body::{Body, BodyId};
 use crate::bounds::world_box;
 use crate::demand::{ContactFields, Wish};
-use crate::description::Effect;
+use crate::description::{Accuracy, Effect};
 use crate::error::WorldError;
 
 /// Effects and demands.
@@ -58,6 +58,61 @@ impl World {
         }
         self.refresh_box(a)?;
         self.refresh_box(b)
+    }
+
+    /// Says at which level triggers and distances that state none are answered, in place of
+    /// `Exact`.
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.accuracy = accuracy;
+    }
+
+    /// Says the same for one pair, whose level then counts in place of the world's; `None` takes it
+    /// back.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn set_pair_accuracy(
+        &mut self,
+        a: BodyId,
+        b: BodyId,
+        accuracy: Option<Accuracy>,
+    ) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        match accuracy {
+            Some(accuracy) => self.pair_levels.insert(pair, accuracy),
+            None => self.pair_levels.remove(&pair),
+        };
+        Ok(())
+    }
+
+    /// Says how many elementary tests a step may take for pairs of which triggers and distances
+    /// alone are asked, all together; `None`: as many as they need. Pairs of which more is asked
+    /// are answered exactly, and do not count. What a pair keeps to go on with takes 5 MiB at most.
+    pub fn set_budget(&mut self, budget: Option<u64>) {
+        self.budget = budget;
+    }
+
+    /// The level at which a pair is answered: the most exact of those of its effects, where an
+    /// effect that states none is at the pair's level, or else at the world's. What needs contacts
+    /// is exact.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn accuracy_of(&self, a: BodyId, b: BodyId) -> Result<Accuracy, WorldError> {
+        let pair = self.known_pair(a, b)?;
+        let level = self.level(pair, self.known(pair.0)?, self.known(pair.1)?);
+        Ok(level.unwrap_or_default())
+    }
+
+    /// The level at which a pair is estimated; `None` where it is answered exactly, at once.
+    pub(super) fn level(&self, pair: Pair, a: &Body, b: &Body) -> Option<Accuracy> {
+        let (wish, sensor) = (self.wish(pair, a, b), a.sensor || b.sensor);
+        let unstated = self.pair_levels.get(&pair).copied().unwrap_or(self.accuracy);
+        let level = wish.accuracy(unstated, sensor);
+        let within_budget = self.budget.is_some() && wish.may_stay_open(sensor);
+        (within_budget || level != Accuracy::Exact).then_some(level)
     }
 
     /// Says that a pair never meets, whatever is asked: links joined by a joint overlap by design.
@@ -124,8 +179,13 @@ impl World {
         if self.excluded.contains(&pair) || !a.may_meet(b) {
             return Fields::NONE;
         }
+        self.wish(pair, a, b).fields(self.read)
+    }
+
+    /// What the scene's, both bodies' and the pair's effects ask for together.
+    fn wish(&self, pair: Pair, a: &Body, b: &Body) -> Wish {
         let of_pair = self.pair_wishes.get(&pair).copied().unwrap_or_default();
-        self.scene.join(a.wish).join(b.wish).join(of_pair).fields(self.read)
+        self.scene.join(a.wish).join(b.wish).join(of_pair)
     }
 
     /// By how much a body's box is grown, so that boxes overlap wherever surfaces are no farther

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use cranny_ecs::PictureQuality;
+use cranny_estimate::Accuracy;
 
-use super::{AccuracyArg, accuracy};
+use super::{StepBudget, level, step_budget};
 
 /// Arguments of `cranny check`.
 #[derive(Debug, Args)]
@@ -24,6 +25,9 @@ pub(crate) struct ExplainArgs {
     /// Scene file
     #[arg(value_name = "SCENE.ron")]
     pub(crate) scene: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) effort: EffortArgs,
 }
 
 const EXPLAIN_NOTES: &str = "\
@@ -61,9 +65,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_enum, value_name = "DETECTOR", default_value = "cranny")]
     pub(crate) detector: DetectorArg,
 
-    /// How much to spend on a pair: only `exact` so far
-    #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = accuracy)]
-    pub(crate) accuracy: AccuracyArg,
+    #[command(flatten)]
+    pub(crate) effort: EffortArgs,
 
     #[command(flatten)]
     pub(crate) instead: InsteadArgs,
@@ -86,6 +89,20 @@ pub(crate) struct RunArgs {
 
     #[command(flatten)]
     pub(crate) pictures: PictureArgs,
+}
+
+/// How much is spent on triggers and distances.
+#[derive(Debug, Args)]
+pub(crate) struct EffortArgs {
+    /// Level of all triggers and distances: boxes, hulls, caps, tree:DEPTH or exact; no level
+    /// misses what exact finds [default: the scene's levels]
+    #[arg(long, value_name = "LEVEL", value_parser = level)]
+    pub(crate) accuracy: Option<Accuracy>,
+
+    /// Elementary tests a step for all triggers and distances together, or `unlimited`; what is
+    /// open is narrowed in later steps [default: the scene's `budget`]
+    #[arg(long, value_name = "N", value_parser = step_budget, allow_hyphen_values = true)]
+    pub(crate) budget: Option<StepBudget>,
 }
 
 /// How pictures look.
@@ -149,10 +166,15 @@ A preview is a page a moment: the first camera's picture, the bodies that meet d
 contact, and that contact magnified. Bodies that move are coloured, bodies that stand still grey, and those of
 them that hide what moves are drawn as x-rays. Pictures change nothing in the run: the state hash is the same.
 
+A level or a budget is for pairs of which Trigger and Proximity alone are asked. A verdict that is open at it
+counts as touching; the summary says how many were, and how many tests a step took. What that saved is the
+difference to the tests of a run with --accuracy exact --budget unlimited.
+
 Examples:
   cranny run assets/scenes/ring_of_tori.ron --preview tori.png
   cranny run assets/scenes/nut_on_bolt.ron --detector rapier-trimesh --duration 2 --format json
-  cranny run assets/scenes/robot_arm.ron --record arm.mcap";
+  cranny run assets/scenes/robot_arm.ron --record arm.mcap
+  cranny run assets/scenes/budgeted_triggers.ron --budget unlimited";
 
 /// Arguments of `cranny compare`.
 #[derive(Debug, Args)]
