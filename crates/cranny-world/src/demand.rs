@@ -73,6 +73,8 @@ pub(crate) struct Wish {
     within: Option<f64>,
     /// The margin of `Contacts`.
     contacts: Option<f64>,
+    /// The tolerance of `Tracking`.
+    tolerance: Option<f64>,
 }
 
 impl Wish {
@@ -99,6 +101,9 @@ impl Wish {
                 }
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
+                }
+                Effect::Tracking { tolerance } => {
+                    Self { tolerance: Some(tolerance), ..Self::default() }
                 }
                 Effect::Penetration => Self { overlap: true, ..Self::default() },
                 Effect::Response
@@ -127,6 +132,7 @@ impl Wish {
             overlap: self.overlap || other.overlap,
             within: larger(self.within, other.within),
             contacts: larger(self.contacts, other.contacts),
+            tolerance: larger(self.tolerance, other.tolerance),
         }
     }
 
@@ -134,13 +140,15 @@ impl Wish {
     pub(crate) fn fields(self, read: ContactFields) -> Fields {
         let regions = self.overlap.then_some(0.0);
         let verdict = self.verdict || self.overlap;
-        let own = Fields { verdict, distance: self.within, regions, ..Fields::NONE };
+        // A verdict with a tolerance is one of depths and gaps up to it.
+        let contacts = self.tolerance.filter(|_| self.verdict);
+        let own = Fields { verdict, distance: self.within, regions, contacts, depth: None };
         self.contacts.map_or(own, |margin| own.join(read.within(margin)))
     }
 
     /// How far apart the effects ask about; 0 where they ask about no gap.
     pub(crate) fn margin(&self) -> f64 {
-        self.contacts.unwrap_or(0.0).max(self.within.unwrap_or(0.0))
+        [self.contacts, self.within, self.tolerance].into_iter().flatten().fold(0.0, f64::max)
     }
 }
 
@@ -150,6 +158,7 @@ fn refused_parameter(effect: &Effect) -> Option<(&'static str, &'static str, f64
         Effect::Sound { above } => &[("above", above)],
         Effect::Deformation { hardness, radius } => &[("hardness", hardness), ("radius", radius)],
         Effect::ForceFeedback { stiffness } => &[("stiffness", stiffness)],
+        Effect::Tracking { tolerance } => &[("tolerance", tolerance)],
         _ => &[],
     };
     let mut refused = parameters.iter().filter(|(_, value)| !(*value > 0.0 && value.is_finite()));
@@ -185,8 +194,12 @@ mod tests {
             Effect::Sound { above: 1.0 },
             Effect::Deformation { hardness: 1.0, radius: 1.0 },
             Effect::ForceFeedback { stiffness: 1.0 },
+            Effect::Tracking { tolerance: 1.0 },
         ];
         assert_eq!(demand(&of_others), Demand::None);
+        // A verdict within a tolerance reads how deep, and how far apart.
+        let tracked = [Effect::Trigger, Effect::Tracking { tolerance: 0.5 }];
+        assert_eq!(demand(&tracked), Demand::contacts(0.5));
     }
 
     #[test]
@@ -214,6 +227,7 @@ mod tests {
                 (Effect::Deformation { hardness: value, radius: 1.0 }, "`hardness` of Deformation"),
                 (Effect::Deformation { hardness: 1.0, radius: value }, "`radius` of Deformation"),
                 (Effect::ForceFeedback { stiffness: value }, "`stiffness` of ForceFeedback"),
+                (Effect::Tracking { tolerance: value }, "`tolerance` of Tracking"),
             ];
             for (effect, says) in cases {
                 let error = Wish::of(&[effect], || "body 'hook'".into()).unwrap_err().to_string();

@@ -60,6 +60,7 @@ mod demand;
 pub mod description;
 mod error;
 mod layers;
+mod random;
 mod report;
 mod world;
 
@@ -69,6 +70,7 @@ pub use bounds::world_box;
 pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
 pub use layers::Layers;
+pub use random::Random;
 pub use report::{
     Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
 };

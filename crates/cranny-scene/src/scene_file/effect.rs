@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer};
 use super::values::{NotNegative, Positive};
 
 /// What this version computes.
-const AVAILABLE: [&str; 9] = [
+const AVAILABLE: [&str; 10] = [
     "Trigger",
     "Proximity",
     "Contacts",
@@ -23,6 +23,7 @@ const AVAILABLE: [&str; 9] = [
     "Sound",
     "Deformation",
     "ForceFeedback",
+    "Tracking",
 ];
 
 /// What a scene gets by other means: the effect and how.
@@ -92,6 +93,12 @@ impl<'de> Visitor<'de> for EffectVisitor {
                 .map(|ForceFeedbackFile { stiffness }| Effect::ForceFeedback {
                     stiffness: stiffness.0,
                 }),
+            Name::Tracking => content
+                .struct_variant(
+                    &["tolerance"],
+                    Parameters::<TrackingFile>::new("the parameter tolerance"),
+                )
+                .map(|TrackingFile { tolerance }| Effect::Tracking { tolerance: tolerance.0 }),
         };
         effect.map(EffectFile)
     }
@@ -108,6 +115,7 @@ enum Name {
     Sound,
     Deformation,
     ForceFeedback,
+    Tracking,
 }
 
 impl<'de> Deserialize<'de> for Name {
@@ -136,6 +144,7 @@ impl Visitor<'_> for NameVisitor {
             "Sound" => return Ok(Name::Sound),
             "Deformation" => return Ok(Name::Deformation),
             "ForceFeedback" => return Ok(Name::ForceFeedback),
+            "Tracking" => return Ok(Name::Tracking),
             _ => {}
         }
         if let Some((_, how)) = ELSEWHERE.iter().find(|(known, _)| *known == name) {
@@ -223,4 +232,10 @@ struct DeformationFile {
 #[serde(deny_unknown_fields)]
 struct ForceFeedbackFile {
     stiffness: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrackingFile {
+    tolerance: Positive,
 }
