@@ -88,6 +88,7 @@ mod spatial;
 mod spawn;
 mod summary;
 mod tally;
+mod tracking;
 mod trigger;
 
 pub use app::{RunOptions, SceneApp};
@@ -107,7 +108,7 @@ pub use detection::{Detected, DetectionSystems, Detector};
 pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
 pub use effects::{
     AskedBy, Contacts, Continuous, Deformation, EffectKind, EffectTable, ForceFeedback,
-    Penetration, Proximity, Response, Sound, Trigger,
+    Penetration, Proximity, Response, Sound, Tracking, Trigger,
 };
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
@@ -166,9 +167,13 @@ pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
     LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
-    TriggerSummary,
+    TrackedSummary, TrackingSummary, TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
+pub use tracking::{
+    ComparedContacts, PoseRefused, SimulatedTracker, SimulatedTrackersPlugin, TrackedContacts,
+    TrackedPose, Tracker, TrackerCounts, TrackingLog, TrackingPlugin, TrackingSystems,
+};
 pub use trigger::{
     CollisionEnd, CollisionStart, Fired, TouchingBodies, TriggerLog, TriggerPlugin, TriggerSystems,
 };
@@ -184,7 +189,7 @@ pub mod prelude {
         LockedAxes, NeverMeet, Penetration, PenetrationReport, PluginOptions, Proximity,
         ProximityReport, ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime,
         SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems,
-        TouchingBodies, Trigger, TriggerSystems,
+        TouchingBodies, TrackedPose, Tracker, Tracking, Trigger, TriggerSystems,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{

@@ -7,7 +7,9 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
-use cranny_world::description::{BodyDescription, BodyKind, Normals, SceneDescription};
+use cranny_world::description::{
+    BodyDescription, BodyKind, Normals, SceneDescription, TrackerDescription,
+};
 
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
@@ -21,6 +23,7 @@ use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
 };
+use crate::tracking::{SimulatedTracker, Tracker};
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
 /// named.
@@ -145,10 +148,14 @@ impl SpawnScene {
             CollisionLayers(layers),
         ));
         if let Some(path) = &body.path {
-            entity.insert((
-                FollowsPath { path: Arc::clone(path), since },
-                transform_of(&path.pose_at(0.0)),
-            ));
+            entity.insert(transform_of(&path.pose_at(0.0)));
+            match &body.tracker {
+                Some(TrackerDescription { settings, device }) => entity.insert((
+                    SimulatedTracker::new(Arc::clone(path), *device, since),
+                    Tracker::new(*settings).unwrap_or_default(),
+                )),
+                None => entity.insert(FollowsPath { path: Arc::clone(path), since }),
+            };
         }
         if let Some(visual) = &body.visual {
             entity.insert(VisualMesh(visual.clone()));
@@ -224,12 +231,26 @@ fn check(scene: &SceneDescription) -> Result<(), SceneAppError> {
     if let Some(body) = scene.bodies.iter().find(led) {
         return Err(SceneAppError::PathOfOtherKind { body: body.name.clone() });
     }
+    check_trackers(scene)?;
     let mut names = LayerNames::default();
     let mut layers: Vec<&String> = scene.bodies.iter().flat_map(|body| &body.layers).collect();
     layers.sort_unstable();
     layers.dedup();
     if layers.iter().any(|name| names.bit(name).is_none()) {
         return Err(SceneAppError::TooManyLayers { count: layers.len(), limit: Layers::COUNT });
+    }
+    Ok(())
+}
+
+/// Whether bodies can be tracked as described.
+fn check_trackers(scene: &SceneDescription) -> Result<(), SceneAppError> {
+    for body in &scene.bodies {
+        let Some(tracker) = &body.tracker else { continue };
+        let refused = |why: String| SceneAppError::Tracker { body: body.name.clone(), why };
+        tracker.check().map_err(|why| refused(why.to_string()))?;
+        if body.path.is_none() {
+            return Err(refused("a device sees the body on a path: give it one".to_owned()));
+        }
     }
     Ok(())
 }

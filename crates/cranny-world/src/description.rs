@@ -12,9 +12,7 @@ mod path;
 mod tracker;
 
 pub use path::{Interpolation, Keyframe, KeyframedPath, PathEnd, PathError};
-pub use tracker::{
-    OneEuro, SimulatedDevice, TrackerDescription, TrackerError, TrackerSettings,
-};
+pub use tracker::{OneEuro, SimulatedDevice, TrackerDescription, TrackerError, TrackerSettings};
 
 /// A whole scene.
 #[derive(Clone, Debug)]

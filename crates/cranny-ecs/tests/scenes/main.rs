@@ -25,5 +25,6 @@ mod response;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+mod tracking;
 #[cfg(all(feature = "rapier", feature = "scene"))]
 mod worlds;

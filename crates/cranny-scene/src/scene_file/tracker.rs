@@ -1,8 +1,6 @@
 //! What a scene file says of a body that a device tracks.
 
-use cranny_world::description::{
-    OneEuro, SimulatedDevice, TrackerDescription, TrackerSettings,
-};
+use cranny_world::description::{OneEuro, SimulatedDevice, TrackerDescription, TrackerSettings};
 use serde::Deserialize;
 
 use super::values::{Fraction, NotNegative, Positive};

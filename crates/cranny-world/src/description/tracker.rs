@@ -42,8 +42,8 @@ pub struct OneEuro {
 pub struct SimulatedDevice {
     /// Poses a second, > 0.
     pub rate: f64,
-    /// By how much it misplaces a point of the body at most, units of length, >= 0: half of it by
-    /// moving the body in any direction, half by turning it about its origin.
+    /// By how much it misplaces a point of the body at most, units of length, >= 0: a random share
+    /// by moving the body, the rest by turning it about its origin.
     pub jitter: f64,
     /// Seconds from a measurement to its arrival at least, >= 0.
     pub latency: f64,
