@@ -23,7 +23,7 @@ use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
 };
-use crate::tracking::{SimulatedTracker, Tracker};
+use crate::tracking::{SimulatedTracker, Tracker, TrackingLog};
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
 /// named.
@@ -139,6 +139,11 @@ impl SpawnScene {
         let layers = layers_of(world, body);
         let since = world.resource::<SimulatedTime>().seconds();
         let responds = world.resource::<EffectTable>().names(EffectKind::Response);
+        if body.tracker.is_some() && !world.contains_resource::<TrackingLog>() {
+            let why = "the app simulates no devices: add SimulatedTrackersPlugin".to_owned();
+            let body = body.name.clone();
+            world.resource_mut::<Failure>().set(SceneAppError::Tracker { body, why });
+        }
         let mut entity = world.spawn((
             Name::new(body.name.clone()),
             RigidBody::from(body.kind),

@@ -22,6 +22,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::SystemParam;
+use cranny_narrow_phase::Answer;
 use cranny_world::{BodyId, PairAnswer};
 
 pub use self::comparison::{ComparedContacts, TrackedContacts, TrackingLog};
@@ -120,7 +121,7 @@ impl Evidence<'_, '_> {
         if !self.effects.asks(EffectKind::Trigger, a, b) {
             return None;
         }
-        let near = answer.contacts.iter().any(|contact| contact.separation <= tolerance);
+        let near = separations(answer).any(|separation| separation <= tolerance);
         let inside = answer.contained.is_some() && !near;
         let certain = answer.depth() > tolerance || inside || self.presses(a, b);
         Some(match before {
@@ -146,6 +147,13 @@ impl Evidence<'_, '_> {
     fn presses(&self, _: BodyId, _: BodyId) -> bool {
         false
     }
+}
+
+/// How far apart the surfaces are where an answer says so, < 0 where they overlap: contacts, or
+/// regions where somebody reads those.
+fn separations(answer: &Answer) -> impl Iterator<Item = f64> {
+    let of_contacts = answer.contacts.iter().map(|contact| contact.separation);
+    of_contacts.chain(answer.regions.iter().map(|region| region.deepest.separation))
 }
 
 fn decide(

@@ -120,7 +120,9 @@ fn misplaced(pose: &Pose, error: f64, share: f64, [shift, axis]: [DVec3; 2], rea
     Pose { rotation, translation: pose.translation + shift }
 }
 
-/// Lets [`SimulatedTracker`]s measure, and [counts](TrackingLog) what becomes of contacts.
+/// Lets [`SimulatedTracker`]s measure, and [counts](TrackingLog) what becomes of contacts. An app
+/// that is made of a scene has it where the scene needs it; others add it after the plugins of
+/// `Tracking`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SimulatedTrackersPlugin;
 
