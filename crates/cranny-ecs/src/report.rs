@@ -102,7 +102,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         pairs_found: pairs_found(world, &tally),
         contacts: count(&tally.contacts),
         deepest,
-        first_overlap: tally.first_overlap.map(overlap),
+        first_overlap: tally.first_overlap.filter(|_| tally.depths_known).map(overlap),
         triggers: triggers(world, &bodies),
         tracking: tracking(world),
         left: left(world, &bodies),

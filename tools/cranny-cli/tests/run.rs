@@ -377,7 +377,7 @@ fn contacts_of_a_tracked_body_are_counted_beside_the_truth() {
     assert_eq!((&stylus["body"], &stylus["truth"]), (&"stylus".into(), &3.into()), "{stylus}");
     let filtered = ["contacts", "spurious", "repeated", "missed"].map(|s| count("filtered", s));
     assert_eq!(filtered, [3, 0, 0, 0], "{stylus}");
-    assert!(count("raw", "spurious") > 20 && count("raw", "repeated") > 5, "{stylus}");
+    assert!(count("raw", "spurious") > 20 && count("raw", "repeated") > 0, "{stylus}");
     let [trigger] = line["triggers"].as_array().unwrap().as_slice() else { panic!("{line}") };
     assert_eq!(trigger["times"], 3);
     assert_eq!(run_json(scene, &["--quiet"])["state_hash"], line["state_hash"]);

@@ -33,7 +33,7 @@ fn a_stylus_that_shakes_makes_its_three_contacts_and_no_other() {
     let TrackedSummary { contacts, spurious, repeated, missed, latency_steps } = tracking.filtered;
     assert_eq!((tracking.truth, contacts, spurious, repeated, missed), (3, 3, 0, 0, 0));
     assert!(latency_steps < 60, "{tracking:?}");
-    assert!(tracking.raw.spurious > 20 && tracking.raw.repeated > 5, "{tracking:?}");
+    assert!(tracking.raw.spurious > 20 && tracking.raw.repeated > 0, "{tracking:?}");
     assert!(tracking.late > 0 && tracking.missing > 50 && tracking.lost > 0, "{tracking:?}");
 }
 
