@@ -267,11 +267,11 @@ fn a_body_that_is_lost_begins_no_contact_and_keeps_its_own() {
     let other = world(&mut app).spawn((RigidBody::Kinematic, unit(), up(0.0))).id();
     world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 5.0;
     assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true]);
-    assert_eq!(show(&mut app, tracked, None, 30), [], "it is held, and so is its contact");
+    assert_eq!(show(&mut app, tracked, None, 30), vec![], "it is held, and so is its contact");
     assert!(app.app().world().get::<Tracker>(tracked).unwrap().is_lost());
     world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 1.0;
     let told = show(&mut app, tracked, None, 5);
-    assert_eq!(told, [], "nobody knows whether it is there");
+    assert_eq!(told, vec![], "nobody knows whether it is there");
     assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true], "now somebody does");
 }
 
