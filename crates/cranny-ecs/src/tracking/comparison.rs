@@ -60,7 +60,7 @@ pub struct TrackedContacts {
     /// Of them those during which, and for the age of a pose before, the true motion touches
     /// nothing there.
     pub spurious: usize,
-    /// Of them those that are parts of one true contact, beyond the first part.
+    /// Of them those that are more than the true contacts which they could be.
     pub repeated: usize,
     /// True contacts of which none is reported, though they are deeper than twice the tolerance for
     /// longer than poses are apart.
@@ -91,13 +91,14 @@ pub struct ComparedContacts {
 fn judged(truth: &[Stretch], seen: &[Stretch], age: u64) -> TrackedContacts {
     let mut judged = TrackedContacts { contacts: seen.len(), ..TrackedContacts::default() };
     let meets = |t: &Stretch, s: &Stretch| t.first <= s.last && s.first <= t.last + age;
-    let mut told = 0;
+    let mut untold: Vec<bool> = vec![true; truth.len()];
     for stretch in seen {
-        match truth.iter().rposition(|t| meets(t, stretch)) {
-            None => judged.spurious += 1,
-            // All true contacts that it is of have been told already.
-            Some(last) if last < told => judged.repeated += 1,
-            Some(last) => told = last + 1,
+        let own = (0..truth.len()).filter(|&i| meets(&truth[i], stretch));
+        let own: Vec<usize> = own.collect();
+        match own.iter().find(|&&i| untold[i]) {
+            Some(&first) => untold[first] = false,
+            None if own.is_empty() => judged.spurious += 1,
+            None => judged.repeated += 1,
         }
     }
     for (real, deep) in truth.iter().filter_map(|t| Some((t, t.deep?))) {

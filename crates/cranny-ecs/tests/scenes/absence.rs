@@ -137,7 +137,9 @@ fn force_feedback_exists_where_it_is_named_and_only_there() {
 #[test]
 fn tracking_exists_where_it_is_named_and_only_there() {
     for effects in [&[Effect::Trigger, TRACKING][..], &[Effect::Trigger], &[]] {
-        let app = app(effects);
+        let mut app = app(effects);
+        // Systems register what they read as they first run.
+        assert!(app.step().unwrap());
         let (app, named) = (app.app(), effects.contains(&TRACKING));
         assert_eq!(scheduled(app, TrackingSystems::Lead.intern()), named);
         assert_eq!(scheduled(app, TrackingSystems::Decide.intern()), named);

@@ -161,7 +161,7 @@ fn late_disordered_and_missing_poses_make_no_contact_either() {
     let all = over_seeds(0..16, 0.5, settings, JITTER, device);
     assert!(all.late > 100 && all.missing > 1000 && all.lost >= 10, "{all:?}");
     assert_eq!((all.filtered.spurious, all.filtered.repeated), (0, 0), "{all:?}");
-    assert!(all.raw.spurious + all.raw.repeated > 40, "without: {all:?}");
+    assert!(all.raw.spurious + all.raw.repeated > 20, "without: {all:?}");
     // What falls into a time in which nobody sees the body is missed, and that is all.
     assert!(all.filtered.missed <= 2, "{all:?}");
 }
@@ -192,12 +192,12 @@ fn what_lies_on_a_rim_lightly_is_found_by_smoothing() {
     let found = |smoothing, tolerance| {
         let settings = TrackerSettings { smoothing, ..TrackerSettings::default() };
         let tracker = TrackerDescription { settings, device: shaky(1) };
-        let summary = run(&pen_and_cup(&above_rim(-1.2), tracker, tolerance));
+        let summary = run(&pen_and_cup(&above_rim(-0.7), tracker, tolerance));
         (summary.tracking[0].truth, summary.tracking[0].filtered.contacts)
     };
-    assert_eq!(found(None, JITTER), (1, 0));
+    assert!(found(None, 0.4).1 > 3, "it comes and goes");
     let slow = Some(OneEuro { min_cutoff: 0.5, per_speed: 0.01 });
-    assert_eq!(found(slow, 0.5), (1, 1));
+    assert_eq!(found(slow, 0.4), (1, 1));
 }
 
 #[test]
@@ -267,11 +267,11 @@ fn a_body_that_is_lost_begins_no_contact_and_keeps_its_own() {
     let other = world(&mut app).spawn((RigidBody::Kinematic, unit(), up(0.0))).id();
     world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 5.0;
     assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true]);
-    assert_eq!(show(&mut app, tracked, None, 30), vec![], "it is held, and so is its contact");
+    assert!(show(&mut app, tracked, None, 30).is_empty(), "it is held, and so is its contact");
     assert!(app.app().world().get::<Tracker>(tracked).unwrap().is_lost());
     world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 1.0;
     let told = show(&mut app, tracked, None, 5);
-    assert_eq!(told, vec![], "nobody knows whether it is there");
+    assert!(told.is_empty(), "nobody knows whether it is there");
     assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true], "now somebody does");
 }
 
