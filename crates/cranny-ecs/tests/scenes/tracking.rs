@@ -81,6 +81,7 @@ fn run(scene: &SceneDescription) -> RunSummary {
 }
 
 /// What happened over so many random ways, keyframes `pause` seconds apart.
+#[expect(clippy::print_stdout, reason = "a failure names its seed")]
 fn over_seeds(
     seeds: std::ops::Range<u64>,
     pause: f64,
@@ -92,7 +93,6 @@ fn over_seeds(
         let tracker = TrackerDescription { settings, device: device(seed) };
         let summary = run(&pen_and_cup(&wander(seed, pause), tracker, tolerance));
         let [tracking] = <[_; 1]>::try_from(summary.tracking).unwrap();
-        // A failure names its seed.
         println!("seed {seed}: {tracking:?}");
         tracking
     });
