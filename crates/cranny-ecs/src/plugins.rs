@@ -198,6 +198,7 @@ impl CrannyPlugins {
         options: &PluginOptions,
     ) -> Result<Self, SceneAppError> {
         let spawn = SpawnScene::new(scene)?.with_known_effects();
+        check_effects(scene)?;
         let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
         let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
         let available: Vec<EffectKind> =
