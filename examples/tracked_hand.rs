@@ -1,5 +1,5 @@
 //! A hand that a camera tracks: poses come sixty times a second, shake by 2 mm, and some are
-//! missing. It waits just above a cup's rim, and then lays itself on it. Lengths are metres, z is up.
+//! missing. It waits just above a cup's rim, and then lays itself on it. Metres; z is up.
 //!
 //! `cargo run --example tracked_hand --features ecs`
 

@@ -53,8 +53,8 @@ pub struct RunSummary {
     pub triggers: Vec<TriggerSummary>,
     /// Contacts of tracked bodies whose device is simulated, by ids.
     pub tracking: Vec<TrackingSummary>,
-    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its own
-    /// diagonal.
+    /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its
+    /// own diagonal.
     pub left: Vec<LeftSummary>,
     /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
     /// or where no exact answer tells.

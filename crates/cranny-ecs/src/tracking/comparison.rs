@@ -172,7 +172,7 @@ impl ComparedBody {
 
 /// Where bodies are.
 #[derive(SystemParam)]
-pub(super) struct Shown<'w, 's> {
+pub(super) struct Present<'w, 's> {
     bodies: Res<'w, Bodies>,
     effects: Res<'w, EffectTable>,
     triggered: Res<'w, TriggeredPairs>,
@@ -182,34 +182,34 @@ pub(super) struct Shown<'w, 's> {
 
 pub(super) fn compare(
     devices: Query<(&Body, &SimulatedTracker, &Tracker, &Transform)>,
-    shown: Shown,
+    present: Present,
     mut log: ResMut<TrackingLog>,
     mut failure: ResMut<Failure>,
 ) {
     let log = log.0.get_mut().unwrap_or_else(PoisonError::into_inner);
     for (body, device, tracker, transform) in &devices {
-        let Some(record) = shown.bodies.get(body.id) else { continue };
+        let Some(record) = present.bodies.get(body.id) else { continue };
         let kept = log.entry(body.id).or_default();
         kept.name.clone_from(&record.name);
         (kept.poses, kept.missing) = (tracker.counts(), device.missing());
-        kept.ages = shown.ages(device, tracker);
+        kept.ages = present.ages(device, tracker);
         let raw = device.arrived().unwrap_or_else(|| pose_of(transform));
-        let poses = [device.truth(shown.time.seconds()), raw];
-        for (other, at) in &shown.transforms {
+        let poses = [device.truth(present.time.seconds()), raw];
+        for (other, at) in &present.transforms {
             let pair = ordered(body.id, other.id);
-            let Some(tolerance) = shown.effects.tolerance(pair.0, pair.1) else { continue };
-            if !shown.effects.asks(EffectKind::Trigger, pair.0, pair.1) {
+            let Some(tolerance) = present.effects.tolerance(pair.0, pair.1) else { continue };
+            if !present.effects.asks(EffectKind::Trigger, pair.0, pair.1) {
                 continue;
             }
             let compared = kept.others.entry(other.id).or_default();
-            compared.truth.long = shown.steps(1.0 / device.device().rate);
-            let noted = shown.note(compared, [body.id, other.id], poses, pose_of(at), tolerance);
+            compared.truth.long = present.steps(1.0 / device.device().rate);
+            let noted = present.note(compared, [body.id, other.id], poses, pose_of(at), tolerance);
             failure.note(noted);
         }
     }
 }
 
-impl Shown<'_, '_> {
+impl Present<'_, '_> {
     /// How old a pose is at most as it arrives, and as the body is shown at it; steps.
     fn ages(&self, device: &SimulatedTracker, tracker: &Tracker) -> [u64; 2] {
         let settings = tracker.settings();
