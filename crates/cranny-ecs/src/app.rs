@@ -64,6 +64,7 @@ pub struct RunOptions {
 ///     linear_velocity: DVec3::new(velocity, 0.0, 0.0),
 ///     angular_velocity: DVec3::ZERO,
 ///     path: None,
+///     tracker: None,
 ///     material: Material::default(),
 ///     mass: None,
 ///     normals: Normals::default(),

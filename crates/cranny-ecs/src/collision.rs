@@ -9,7 +9,7 @@ use cranny_world::BodyId;
 
 use crate::body::{Bodies, Body, pose_of, widened};
 use crate::contacts::ContactReport;
-use crate::effects::{Pair, ordered};
+use crate::effects::{EffectKind, EffectTable, Pair, ordered};
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::trigger::TriggeredPairs;
 
@@ -171,6 +171,7 @@ pub struct Collisions<'w, 's> {
     records: Res<'w, Bodies>,
     contacts: Option<Res<'w, ContactReport>>,
     triggered: Option<Res<'w, TriggeredPairs>>,
+    effects: Res<'w, EffectTable>,
     #[cfg(feature = "rapier")]
     solver: Option<Res<'w, crate::solved::RigidBodies>>,
 }
@@ -253,6 +254,11 @@ impl Collisions<'_, '_> {
         let ids = [body, other].map(|entity| self.ids.get(entity).ok().map(|body| body.id));
         let [Some(a), Some(b)] = ids else { return false };
         let triggered = self.triggered.as_ref().is_some_and(|t| t.touches(ordered(a, b)));
+        let imprecise =
+            self.effects.tolerance(a, b).is_some() && self.effects.asks(EffectKind::Trigger, a, b);
+        if imprecise {
+            return triggered;
+        }
         triggered
             || self.get(body, other).is_some_and(|collision| {
                 let overlaps = collision.deepest().is_some_and(|point| point.depth >= 0.0);

@@ -32,11 +32,13 @@ pub enum EffectKind {
     Deformation,
     /// Force and torque on bodies that somebody moves.
     ForceFeedback,
+    /// Triggers of poses that are known to a tolerance.
+    Tracking,
 }
 
 impl EffectKind {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Trigger,
         Self::Proximity,
         Self::Contacts,
@@ -46,6 +48,7 @@ impl EffectKind {
         Self::Sound,
         Self::Deformation,
         Self::ForceFeedback,
+        Self::Tracking,
     ];
 
     /// Its name in scene files.
@@ -61,6 +64,7 @@ impl EffectKind {
             Self::Sound => "Sound",
             Self::Deformation => "Deformation",
             Self::ForceFeedback => "ForceFeedback",
+            Self::Tracking => "Tracking",
         }
     }
 
@@ -77,6 +81,7 @@ impl EffectKind {
             Effect::Sound { .. } => Some(Self::Sound),
             Effect::Deformation { .. } => Some(Self::Deformation),
             Effect::ForceFeedback { .. } => Some(Self::ForceFeedback),
+            Effect::Tracking { .. } => Some(Self::Tracking),
             _ => None,
         }
     }
@@ -178,6 +183,16 @@ pub struct ForceFeedback {
     pub stiffness: f64,
 }
 
+/// Collisions of all pairs of a body, or of the pair whose entity has it, begin and end where that
+/// is certain though poses are known to a tolerance only. It needs [`Trigger`](crate::Trigger),
+/// whose messages they are. A [`Tracker`](crate::Tracker) beside it takes a device's poses.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Tracking {
+    /// By how much poses misplace a point of a body at most, > 0, units of length.
+    pub tolerance: f64,
+}
+
 /// What the components of an entity ask for.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let levels = entity.get::<EffectAccuracy>().copied().unwrap_or_default();
@@ -196,7 +211,9 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
         .map(|&Deformation { hardness, radius }| Effect::Deformation { hardness, radius });
     let feedback = entity.get::<ForceFeedback>();
     let feedback = feedback.map(|&ForceFeedback { stiffness }| Effect::ForceFeedback { stiffness });
-    let of_detection = [trigger, proximity, contacts, penetration, feedback];
+    let tracking = entity.get::<Tracking>();
+    let tracking = tracking.map(|&Tracking { tolerance }| Effect::Tracking { tolerance });
+    let of_detection = [trigger, proximity, contacts, penetration, feedback, tracking];
     let of_response = [response, continuous, sound, deformation];
     of_detection.into_iter().chain(of_response).flatten().collect()
 }
@@ -240,6 +257,10 @@ pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
             Effect::ForceFeedback { stiffness } => {
                 let before = entity.get::<ForceFeedback>().map_or(stiffness, |f| f.stiffness);
                 entity.insert(ForceFeedback { stiffness: stiffness.max(before) });
+            }
+            Effect::Tracking { tolerance } => {
+                let before = entity.get::<Tracking>().map_or(tolerance, |t| t.tolerance);
+                entity.insert(Tracking { tolerance: tolerance.max(before) });
             }
             _ => {}
         }
@@ -542,6 +563,16 @@ impl EffectTable {
             _ => None,
         });
         margins.reduce(f64::max)
+    }
+
+    /// To what tolerance the poses of a pair are known; `None` where nobody states one.
+    #[must_use]
+    pub fn tolerance(&self, a: BodyId, b: BodyId) -> Option<f64> {
+        let tolerances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
+            Effect::Tracking { tolerance } => Some(tolerance),
+            _ => None,
+        });
+        tolerances.reduce(f64::max)
     }
 
     /// The speed above which a pair is heard; `None` where nobody asks for it.

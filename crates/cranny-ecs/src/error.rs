@@ -83,6 +83,22 @@ pub enum SceneAppError {
         /// Which body.
         body: String,
     },
+    /// A tracker in a scene in which no contact is filtered.
+    #[error(
+        "body '{body}' has a tracker, but no effect Tracking says how precise it is: name Tracking(tolerance: …) in its effects, or leave the tracker out"
+    )]
+    TrackerAlone {
+        /// Which body.
+        body: String,
+    },
+    /// A body that cannot be tracked as described.
+    #[error("the tracker of body '{body}': {why}")]
+    Tracker {
+        /// Which body.
+        body: String,
+        /// What is wrong.
+        why: String,
+    },
     /// Colliders of a body that are no mesh together.
     #[error("the colliders of body '{body}' cannot be put together: {why}")]
     Parts {

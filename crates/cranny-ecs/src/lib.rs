@@ -89,6 +89,7 @@ mod spatial;
 mod spawn;
 mod summary;
 mod tally;
+mod tracking;
 mod trigger;
 
 pub use app::{RunOptions, SceneApp};
@@ -109,7 +110,7 @@ pub use detection::{Detected, DetectionSystems, Detector};
 pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
 pub use effects::{
     AskedBy, Contacts, Continuous, Deformation, EffectAccuracy, EffectKind, EffectTable,
-    ForceFeedback, PairAccuracy, Penetration, Proximity, Response, Sound, Trigger,
+    ForceFeedback, PairAccuracy, Penetration, Proximity, Response, Sound, Tracking, Trigger,
 };
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
@@ -168,9 +169,13 @@ pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
     JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TriggerSummary,
+    Skipped, TrackedSummary, TrackingSummary, TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, EstimateTally, Series, Tally};
+pub use tracking::{
+    ComparedContacts, PoseRefused, SimulatedTracker, SimulatedTrackersPlugin, TrackedContacts,
+    TrackedPose, Tracker, TrackerCounts, TrackingLog, TrackingPlugin, TrackingSystems,
+};
 pub use trigger::{
     CollisionEnd, CollisionStart, Fired, TouchingBodies, TriggerLog, TriggerPlugin, TriggerSystems,
 };
@@ -186,7 +191,8 @@ pub mod prelude {
         LinearVelocity, LockedAxes, NeverMeet, PairAccuracy, Penetration, PenetrationReport,
         PluginOptions, Proximity, ProximityReport, ProximitySystems, Response, Restitution,
         RigidBody, Sensor, SimulatedTime, SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter,
-        SpawnScene, StepSystems, TouchingBodies, Trigger, TriggerSystems,
+        SpawnScene, StepSystems, TouchingBodies, TrackedPose, Tracker, Tracking, Trigger,
+        TriggerSystems,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{

@@ -5,8 +5,11 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
+use cranny_world::BodyId;
 use cranny_world::description::KeyframedPath;
 
 use crate::body::{Bodies, Body, narrowed, pose_of, transform_of};
@@ -51,50 +54,65 @@ impl Plugin for PathPlugin {
     }
 }
 
-/// Whom paths lead.
-type Led<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static Body,
-        &'static RigidBody,
-        &'static FollowsPath,
-        &'static mut Transform,
-        &'static mut LinearVelocity,
-        &'static mut AngularVelocity,
-        Option<&'static Kinematic>,
-    ),
->;
+/// A kinematic body that is led, if it is one.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Led {
+    body: &'static Body,
+    kind: &'static RigidBody,
+    transform: &'static mut Transform,
+    linear: &'static mut LinearVelocity,
+    angular: &'static mut AngularVelocity,
+    unsolved: Option<&'static Kinematic>,
+}
 
-fn lead(
-    mut led: Led,
-    bodies: Res<Bodies>,
-    time: Res<SimulatedTime>,
-    #[cfg(feature = "rapier")] solver: Option<Res<crate::solved::RigidBodies>>,
-) {
-    for (body, kind, follows, mut transform, mut linear, mut angular, unsolved) in &mut led {
-        if *kind != RigidBody::Kinematic {
-            continue;
+impl LedItem<'_, '_> {
+    pub(crate) fn id(&self) -> BodyId {
+        self.body.id
+    }
+}
+
+/// What leads kinematic bodies.
+#[derive(SystemParam)]
+pub(crate) struct Steering<'w> {
+    bodies: Res<'w, Bodies>,
+    time: Res<'w, SimulatedTime>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
+}
+
+impl Steering<'_> {
+    /// Gives a body the velocities that lead to a pose by the end of the step; where it jumps, its
+    /// `Transform` is set in their place. Bodies of other kinds are left alone.
+    pub(crate) fn lead(&self, mut led: LedItem<'_, '_>, target: &Pose, jumps: bool) {
+        if *led.kind != RigidBody::Kinematic {
+            return;
         }
-        let center = unsolved.map(|kinematic| kinematic.center);
+        let center = led.unsolved.map(|kinematic| kinematic.center);
         #[cfg(feature = "rapier")]
-        let center = center.or_else(|| solver.as_ref()?.center_of_mass(body.id));
-        let Some(center) = center else { continue };
-        let (now, dt) = (time.seconds() - follows.since, time.step());
-        let target = follows.path.pose_at(now + dt);
-        if !follows.path.is_continuous(now, now + dt) {
-            let scale = transform.scale;
-            transform.set_if_neq(Transform { scale, ..transform_of(&target) });
+        let center = center.or_else(|| self.solver.as_ref()?.center_of_mass(led.body.id));
+        let Some(center) = center else { return };
+        if jumps {
+            let scale = led.transform.scale;
+            led.transform.set_if_neq(Transform { scale, ..transform_of(target) });
         }
-        let reach = bodies.get(body.id).map_or(0.0, |record| record.model.radius());
-        let from = pose_of(&transform);
-        let [v, w] = if has_arrived(&from, &target, reach) {
+        let reach = self.bodies.get(led.body.id).map_or(0.0, |record| record.model.radius());
+        let from = pose_of(&led.transform);
+        let [v, w] = if has_arrived(&from, target, reach) {
             [DVec3::ZERO; 2]
         } else {
-            velocities(&from, &target, center, dt)
+            velocities(&from, target, center, self.time.step())
         };
-        linear.set_if_neq(LinearVelocity(narrowed(v)));
-        angular.set_if_neq(AngularVelocity(narrowed(w)));
+        led.linear.set_if_neq(LinearVelocity(narrowed(v)));
+        led.angular.set_if_neq(AngularVelocity(narrowed(w)));
+    }
+}
+
+fn lead(mut led: Query<(Led, &FollowsPath)>, time: Res<SimulatedTime>, steering: Steering) {
+    for (led, follows) in &mut led {
+        let (now, dt) = (time.seconds() - follows.since, time.step());
+        let target = follows.path.pose_at(now + dt);
+        steering.lead(led, &target, !follows.path.is_continuous(now, now + dt));
     }
 }
 

@@ -22,6 +22,7 @@ use crate::paths::PathSystems;
 use crate::penetration::PenetrationSystems;
 use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
+use crate::tracking::TrackingSystems;
 use crate::trigger::TriggerSystems;
 
 /// Names of a group of pairs that are told.
@@ -136,6 +137,8 @@ fn known_sets() -> Vec<KnownSet> {
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;
         "Penetration": PenetrationSystems::Detect, PenetrationSystems::Report;
         "ForceFeedback": ForceFeedbackSystems::Feel;
+        "Tracking": TrackingSystems::Simulate, TrackingSystems::Lead, TrackingSystems::Decide,
+            TrackingSystems::Compare;
     };
     #[cfg(feature = "rapier")]
     {
@@ -165,7 +168,7 @@ fn known_sets() -> Vec<KnownSet> {
 }
 
 /// All effects, with what asks for them.
-const EFFECTS: [(&str, &str); 11] = [
+const EFFECTS: [(&str, &str); 12] = [
     ("Trigger", "the scene, its bodies and pairs name no Trigger"),
     ("Proximity", "the scene, its bodies and pairs name no Proximity"),
     ("Contacts", "the scene, its bodies and pairs name no Contacts"),
@@ -175,6 +178,7 @@ const EFFECTS: [(&str, &str); 11] = [
     ("Sound", "the scene, its bodies and pairs name no Sound"),
     ("Deformation", "the scene, its bodies and pairs name no Deformation"),
     ("ForceFeedback", "the scene, its bodies and pairs name no ForceFeedback"),
+    ("Tracking", "the scene, its bodies and pairs name no Tracking"),
     ("Recording", "no recording is asked for (--record)"),
     ("Rendering", "no pictures are asked for (--frames, --preview)"),
 ];
@@ -361,6 +365,7 @@ fn with_parameters(
     let parameters = match kind {
         EffectKind::Proximity => one("within", table.proximity(a, b)),
         EffectKind::Contacts => one("margin", table.contact_margin(a, b)),
+        EffectKind::Tracking => one("tolerance", table.tolerance(a, b)),
         EffectKind::Response => smooth.then(|| "normals: smooth".to_owned()),
         EffectKind::Sound => one("above", table.heard_above(a, b)),
         EffectKind::ForceFeedback => {
@@ -407,6 +412,7 @@ fn group_of(
             EffectKind::Sound => fields.push("impulse and slip"),
             EffectKind::Deformation => fields.push("impulse and dent"),
             EffectKind::ForceFeedback => fields.push("force and torque"),
+            EffectKind::Tracking => fields.push("depth and gap"),
         }
         let smooth = exact_solver && is_smooth(bodies, [a, b]);
         effects.push(with_parameters(kind, table, [a, b], smooth));
@@ -425,10 +431,12 @@ fn group_of(
     let asks = |kind: EffectKind| table.asks(kind, a, b);
     let solver = asks(EffectKind::Response);
     // The world answers these, unless the solver's answer holds what they read.
-    let [near, overlap] = [EffectKind::Proximity, EffectKind::Penetration].map(asks);
+    let [near, overlap, imprecise] =
+        [EffectKind::Proximity, EffectKind::Penetration, EffectKind::Tracking].map(asks);
+    let more = near || overlap || imprecise;
     let reported = near || overlap || asks(EffectKind::Trigger) || asks(EffectKind::Contacts);
     let detected_by = match (solver, reported) {
-        (true, true) if !exact_solver || near || overlap => "solver and world",
+        (true, true) if !exact_solver || more => "solver and world",
         (true, _) => "solver",
         (false, true) => "world",
         (false, false) => "nobody",

@@ -27,6 +27,7 @@ use crate::penetration::PenetrationPlugin;
 use crate::proximity::ProximityPlugin;
 use crate::spawn::SpawnScene;
 use crate::tally::Tally;
+use crate::tracking::{SimulatedTrackersPlugin, TrackingPlugin};
 use crate::trigger::TriggerPlugin;
 
 /// What a scene's plugins are built with, beyond the scene.
@@ -99,6 +100,8 @@ pub struct CrannyPlugins {
     available: Vec<EffectKind>,
     options: PluginOptions,
     scene: Option<SpawnScene>,
+    /// Whether devices of the scene's bodies are simulated.
+    simulated_trackers: bool,
     /// Adds the system that makes the solver's step.
     #[cfg(feature = "rapier")]
     add_step: fn(&mut App),
@@ -131,6 +134,7 @@ impl CrannyPlugins {
             available: Vec::new(),
             options: PluginOptions::default(),
             scene: None,
+            simulated_trackers: false,
             #[cfg(feature = "rapier")]
             add_step: crate::response::add_step::<()>,
             #[cfg(feature = "record")]
@@ -223,7 +227,7 @@ impl CrannyPlugins {
         options: &PluginOptions,
     ) -> Result<Self, SceneAppError> {
         let spawn = SpawnScene::new(scene)?.with_known_effects();
-        check_levels(scene)?;
+        check_effects(scene)?;
         let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
         let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
         let available: Vec<EffectKind> =
@@ -232,8 +236,10 @@ impl CrannyPlugins {
         let mut options = options.clone();
         let size = || typical_size(scene, spawn.models());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
+        let simulated_trackers = scene.bodies.iter().any(|body| body.tracker.is_some());
         let (gravity, accuracy, budget) = (scene.gravity, scene.accuracy, scene.budget);
-        Ok(Self { gravity, accuracy, budget, options, scene: Some(spawn), ..plugins })
+        let scene = Some(spawn);
+        Ok(Self { gravity, accuracy, budget, options, scene, simulated_trackers, ..plugins })
     }
 
     fn checked(self) -> Result<Self, SceneAppError> {
@@ -320,6 +326,12 @@ impl PluginGroup for CrannyPlugins {
         if named(EffectKind::ForceFeedback) {
             group = group.add(ForceFeedbackPlugin);
         }
+        if named(EffectKind::Tracking) {
+            group = group.add(TrackingPlugin);
+        }
+        if self.simulated_trackers {
+            group = group.add(SimulatedTrackersPlugin);
+        }
         #[cfg(feature = "rapier")]
         if effects.names(EffectKind::Response) {
             group = group.add(crate::response::ResponsePlugin {
@@ -363,9 +375,14 @@ impl PluginGroup for CrannyPlugins {
 
 /// Fails if an effect is named and another one is not on which it works.
 fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> {
-    let needing = [EffectKind::Continuous, EffectKind::Sound, EffectKind::Deformation];
-    match needing.into_iter().find(|&kind| named(kind) && !named(EffectKind::Response)) {
-        Some(kind) => Err(SceneAppError::NeedsEffect { effect: kind.name(), needs: "Response" }),
+    let of_response = [EffectKind::Continuous, EffectKind::Sound, EffectKind::Deformation];
+    let of_response = of_response.map(|kind| (kind, EffectKind::Response));
+    let needing = of_response.into_iter().chain([(EffectKind::Tracking, EffectKind::Trigger)]);
+    let lacks = |&(kind, needs): &(EffectKind, EffectKind)| named(kind) && !named(needs);
+    match needing.into_iter().find(lacks) {
+        Some((kind, needs)) => {
+            Err(SceneAppError::NeedsEffect { effect: kind.name(), needs: needs.name() })
+        }
         None => Ok(()),
     }
 }
@@ -375,13 +392,18 @@ fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> 
 ///
 /// # Errors
 ///
-/// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`].
+/// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`], or a
+/// tracker of a body that no effect `Tracking` is for.
 pub fn check_effects(scene: &SceneDescription) -> Result<(), SceneAppError> {
     let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
     let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
     let all = || scene.effects.iter().chain(of_bodies.clone()).chain(of_pairs.clone());
     go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))?;
-    check_levels(scene)
+    let tracks = all().any(|effect| matches!(effect, Effect::Tracking { .. }));
+    match scene.bodies.iter().find(|body| body.tracker.is_some() && !tracks) {
+        Some(body) => Err(SceneAppError::TrackerAlone { body: body.name.clone() }),
+        None => check_levels(scene),
+    }
 }
 
 /// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a

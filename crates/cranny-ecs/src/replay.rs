@@ -343,6 +343,7 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::ZERO,
         path: None,
+        tracker: None,
         material: Material::default(),
         mass: None,
         normals: Normals::default(),

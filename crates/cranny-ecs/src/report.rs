@@ -14,9 +14,10 @@ use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
     JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TriggerSummary,
+    Skipped, TrackedSummary, TrackingSummary, TriggerSummary,
 };
 use crate::tally::{DeepestSoFar, EstimateTally, Series, Tally};
+use crate::tracking::{TrackedContacts, TrackingLog};
 use crate::trigger::{Fired, TriggerLog};
 
 /// What is known of a run before it begins, and whether it was broken off.
@@ -106,8 +107,9 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         estimates: tally.estimates.map(estimated),
         contacts: count(&tally.contacts),
         deepest,
-        first_overlap: tally.first_overlap.map(overlap),
+        first_overlap: tally.first_overlap.filter(|_| tally.depths_known).map(overlap),
         triggers: triggers(world, &bodies),
+        tracking: tracking(world),
         left: left(world, &bodies),
         contained,
         energy_drift,
@@ -158,6 +160,29 @@ fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
         step,
     })
     .collect()
+}
+
+fn tracking(world: &World) -> Vec<TrackingSummary> {
+    let beside = |seen: TrackedContacts| TrackedSummary {
+        contacts: seen.contacts,
+        spurious: seen.spurious,
+        repeated: seen.repeated,
+        missed: seen.missed,
+        latency_steps: seen.latency,
+    };
+    let log = world.get_resource::<TrackingLog>().map(TrackingLog::bodies).unwrap_or_default();
+    log.into_iter()
+        .map(|compared| TrackingSummary {
+            body: compared.body,
+            truth: compared.truth,
+            raw: beside(compared.raw),
+            filtered: beside(compared.reported),
+            poses: compared.poses.reported,
+            late: compared.poses.late,
+            missing: compared.missing,
+            lost: compared.poses.lost,
+        })
+        .collect()
 }
 
 fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {

@@ -263,9 +263,11 @@ fn supply_answers(
     for (a, b, pair) in bodies.answers() {
         let read =
             effects.asks(EffectKind::Trigger, a, b) || effects.contact_margin(a, b).is_some();
-        // A solver's answer need hold neither a distance nor regions.
-        if read && effects.proximity(a, b).is_none() && !effects.asks(EffectKind::Penetration, a, b)
-        {
+        // A solver's answer need hold no distance and no regions, nor reach as far as a tolerance.
+        let more = effects.proximity(a, b).is_some()
+            || effects.asks(EffectKind::Penetration, a, b)
+            || effects.tolerance(a, b).is_some();
+        if read && !more {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             let cranny_rapier::PairContacts { poses, first_is_a, first_from_second, .. } = *pair;
             let frame = QueryFrame { first_is_a, first_from_second };

@@ -7,7 +7,9 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
-use cranny_world::description::{BodyDescription, BodyKind, Effect, Normals, SceneDescription};
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, Normals, SceneDescription, TrackerDescription,
+};
 
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
@@ -21,6 +23,7 @@ use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
 };
+use crate::tracking::{SimulatedTracker, Tracker, TrackingLog};
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
 /// named.
@@ -141,6 +144,11 @@ impl SpawnScene {
         let layers = layers_of(world, body);
         let since = world.resource::<SimulatedTime>().seconds();
         let responds = world.resource::<EffectTable>().names(EffectKind::Response);
+        if body.tracker.is_some() && !world.contains_resource::<TrackingLog>() {
+            let why = "the app simulates no devices: add SimulatedTrackersPlugin".to_owned();
+            let body = body.name.clone();
+            world.resource_mut::<Failure>().set(SceneAppError::Tracker { body, why });
+        }
         let mut entity = world.spawn((
             Name::new(body.name.clone()),
             RigidBody::from(body.kind),
@@ -150,10 +158,14 @@ impl SpawnScene {
             CollisionLayers(layers),
         ));
         if let Some(path) = &body.path {
-            entity.insert((
-                FollowsPath { path: Arc::clone(path), since },
-                transform_of(&path.pose_at(0.0)),
-            ));
+            entity.insert(transform_of(&path.pose_at(0.0)));
+            match &body.tracker {
+                Some(TrackerDescription { settings, device }) => entity.insert((
+                    SimulatedTracker::new(Arc::clone(path), *device, since),
+                    Tracker::new(*settings).unwrap_or_default(),
+                )),
+                None => entity.insert(FollowsPath { path: Arc::clone(path), since }),
+            };
         }
         if let Some(visual) = &body.visual {
             entity.insert(VisualMesh(visual.clone()));
@@ -232,12 +244,26 @@ fn check(scene: &SceneDescription) -> Result<(), SceneAppError> {
     if let Some(body) = scene.bodies.iter().find(led) {
         return Err(SceneAppError::PathOfOtherKind { body: body.name.clone() });
     }
+    check_trackers(scene)?;
     let mut names = LayerNames::default();
     let mut layers: Vec<&String> = scene.bodies.iter().flat_map(|body| &body.layers).collect();
     layers.sort_unstable();
     layers.dedup();
     if layers.iter().any(|name| names.bit(name).is_none()) {
         return Err(SceneAppError::TooManyLayers { count: layers.len(), limit: Layers::COUNT });
+    }
+    Ok(())
+}
+
+/// Whether bodies can be tracked as described.
+fn check_trackers(scene: &SceneDescription) -> Result<(), SceneAppError> {
+    for body in &scene.bodies {
+        let Some(tracker) = &body.tracker else { continue };
+        let refused = |why: String| SceneAppError::Tracker { body: body.name.clone(), why };
+        tracker.check().map_err(|why| refused(why.to_string()))?;
+        if body.path.is_none() {
+            return Err(refused("a device sees the body on a path: give it one".to_owned()));
+        }
     }
     Ok(())
 }

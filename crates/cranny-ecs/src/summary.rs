@@ -60,6 +60,8 @@ pub struct RunSummary {
     pub first_overlap: Option<DeepestSummary>,
     /// Pairs with `Trigger` that touched, by ids.
     pub triggers: Vec<TriggerSummary>,
+    /// Contacts of tracked bodies whose device is simulated, by ids.
+    pub tracking: Vec<TrackingSummary>,
     /// Dynamic bodies that left the world: a box about all bodies where they were put, grown by its
     /// own diagonal.
     pub left: Vec<LeftSummary>,
@@ -149,6 +151,42 @@ pub struct TriggerSummary {
     pub open: u64,
     /// Steps completed when they first did.
     pub step: u64,
+}
+
+/// What tracking made of a body's contacts, with all others together.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TrackingSummary {
+    /// Its name.
+    pub body: String,
+    /// Contacts of the true motion.
+    pub truth: usize,
+    /// Of the poses as they came.
+    pub raw: TrackedSummary,
+    /// Of the filtered poses, within the tolerance: what triggers say.
+    pub filtered: TrackedSummary,
+    /// Poses that came.
+    pub poses: u64,
+    /// Of them those that were too late.
+    pub late: u64,
+    /// Poses that never came.
+    pub missing: u64,
+    /// How often it was lost.
+    pub lost: u64,
+}
+
+/// Contacts beside those of the true motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TrackedSummary {
+    /// All.
+    pub contacts: usize,
+    /// Of them those during which the true motion touches nothing there.
+    pub spurious: usize,
+    /// Of them those that are further parts of one true contact.
+    pub repeated: usize,
+    /// True contacts deeper than twice the tolerance that are not among them.
+    pub missed: usize,
+    /// Steps from when a true contact is so deep until it is among them, at most.
+    pub latency_steps: u64,
 }
 
 /// A body that left the world.

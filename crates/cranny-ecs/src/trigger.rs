@@ -19,6 +19,7 @@ use crate::collision::{CollisionContact, Velocities, deepest};
 use crate::detection::{Detected, DetectionSystems};
 use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable, Pair};
+use crate::tracking::CertainPairs;
 
 /// The systems of `Trigger`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,6 +32,9 @@ pub enum TriggerSystems {
 
 /// Two bodies began to touch or overlap: at the poses at the beginning of the step, or within it,
 /// where the solver kept them apart. At the end of a run what the last step kept apart touches too.
+///
+/// Of pairs with [`Tracking`](crate::Tracking) it says that they overlap for certain, though poses
+/// are known to a tolerance only.
 ///
 /// As a message it is written once a pair, `body` having the lower id. As an event it is triggered
 /// for each of the two entities, as `body`; for one that does not exist any more it is not.
@@ -61,7 +65,8 @@ impl CollisionStart {
     }
 }
 
-/// Two bodies touch no more, or one of them was removed. Reported as [`CollisionStart`] is.
+/// Two bodies touch no more (of pairs with [`Tracking`](crate::Tracking): for certain), or one of
+/// them was removed. Reported as [`CollisionStart`] is.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CollisionEnd {
     /// The entity that the event is about.
@@ -219,6 +224,7 @@ fn report_collisions(
     mut ends: MessageWriter<CollisionEnd>,
     mut triggered: ResMut<TriggeredPairs>,
     mut commands: Commands,
+    certain: Option<Res<CertainPairs>>,
     (time, mut log): (Res<SimulatedTime>, Option<ResMut<TriggerLog>>),
     mut stopwatch: Stopwatch,
 ) {
@@ -226,8 +232,10 @@ fn report_collisions(
     let Some(report) = &detected.report else { return };
     // By what is asked now: an effect that comes or goes begins and ends what touches.
     let touches = report.touching.iter().copied();
-    let now: BTreeSet<Pair> =
-        touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b)).collect();
+    let touches = touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b));
+    // Of poses that are imprecise the verdict is no evidence.
+    let precise = touches.filter(|&(a, b)| effects.tolerance(a, b).is_none());
+    let now: BTreeSet<Pair> = precise.chain(certain.iter().flat_map(|c| c.iter())).collect();
     let before = std::mem::replace(&mut triggered.touching, now);
     triggered.changed = before.symmetric_difference(&triggered.touching).copied().collect();
     for &pair @ (id_a, id_b) in &triggered.changed {

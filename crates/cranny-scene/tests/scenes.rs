@@ -237,6 +237,8 @@ fn effects_that_are_unknown_or_not_listed_or_miss_a_parameter_are_refused() {
         ("Deformation(hardness: 5)", "radius"),
         ("Deformation(hardness: -5, radius: 1)", "-5"),
         ("ForceFeedback()", "stiffness"),
+        ("Tracking()", "tolerance"),
+        ("Tracking(tolerance: 0)", "0"),
         ("Proximity()", "within"),
         ("Contacts(margin: -1)", "-1"),
     ];

@@ -73,6 +73,8 @@ pub(crate) struct Wish {
     within: Option<f64>,
     /// The margin of `Contacts`.
     contacts: Option<f64>,
+    /// The tolerance of `Tracking`.
+    tolerance: Option<f64>,
     levels: Levels,
 }
 
@@ -125,7 +127,7 @@ impl Wish {
         for effect in effects {
             wish.levels = wish.levels.join(Levels::of(effect));
             wish = wish.join(match *effect {
-                Effect::Trigger { .. } => Self { verdict: true, ..Self::default() },
+                Effect::TRIGGER { .. } => Self { verdict: true, ..Self::default() },
                 Effect::Proximity { within, .. } if within.is_finite() && within > 0.0 => {
                     Self { within: Some(within), ..Self::default() }
                 }
@@ -137,6 +139,9 @@ impl Wish {
                 }
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
+                }
+                Effect::Tracking { tolerance } => {
+                    Self { tolerance: Some(tolerance), ..Self::default() }
                 }
                 Effect::Penetration => Self { overlap: true, ..Self::default() },
                 Effect::Response
@@ -166,6 +171,7 @@ impl Wish {
             within: larger(self.within, other.within),
             contacts: larger(self.contacts, other.contacts),
             levels: self.levels.join(other.levels),
+            tolerance: larger(self.tolerance, other.tolerance),
         }
     }
 
@@ -190,13 +196,15 @@ impl Wish {
     pub(crate) fn fields(self, read: ContactFields) -> Fields {
         let regions = self.overlap.then_some(0.0);
         let verdict = self.verdict || self.overlap;
-        let own = Fields { verdict, distance: self.within, regions, ..Fields::NONE };
+        // A verdict with a tolerance is one of depths and gaps up to it.
+        let contacts = self.tolerance.filter(|_| self.verdict);
+        let own = Fields { verdict, distance: self.within, regions, contacts, depth: None };
         self.contacts.map_or(own, |margin| own.join(read.within(margin)))
     }
 
     /// How far apart the effects ask about; 0 where they ask about no gap.
     pub(crate) fn margin(&self) -> f64 {
-        self.contacts.unwrap_or(0.0).max(self.within.unwrap_or(0.0))
+        [self.contacts, self.within, self.tolerance].into_iter().flatten().fold(0.0, f64::max)
     }
 }
 
@@ -206,6 +214,7 @@ fn refused_parameter(effect: &Effect) -> Option<(&'static str, &'static str, f64
         Effect::Sound { above } => &[("above", above)],
         Effect::Deformation { hardness, radius } => &[("hardness", hardness), ("radius", radius)],
         Effect::ForceFeedback { stiffness } => &[("stiffness", stiffness)],
+        Effect::Tracking { tolerance } => &[("tolerance", tolerance)],
         _ => &[],
     };
     let mut refused = parameters.iter().filter(|(_, value)| !(*value > 0.0 && value.is_finite()));
@@ -241,8 +250,12 @@ mod tests {
             Effect::Sound { above: 1.0 },
             Effect::Deformation { hardness: 1.0, radius: 1.0 },
             Effect::ForceFeedback { stiffness: 1.0 },
+            Effect::Tracking { tolerance: 1.0 },
         ];
         assert_eq!(demand(&of_others), Demand::None);
+        // A verdict within a tolerance reads how deep, and how far apart.
+        let tracked = [Effect::TRIGGER, Effect::Tracking { tolerance: 0.5 }];
+        assert_eq!(demand(&tracked), Demand::contacts(0.5));
     }
 
     #[test]
@@ -265,7 +278,7 @@ mod tests {
     #[test]
     fn the_most_exact_of_a_pairs_levels_counts_and_what_needs_contacts_is_exact() {
         use Accuracy::{Caps, Exact, Hulls, Tree};
-        let trigger = |level| Effect::Trigger { accuracy: Some(level) };
+        let trigger = |level| Effect::TRIGGER { accuracy: Some(level) };
         let near = |level| Effect::Proximity { within: 1.0, accuracy: Some(level) };
         let level = |effects: &[Effect], unstated, sensor| {
             Wish::of(effects, String::new).unwrap().accuracy(unstated, sensor)
@@ -298,6 +311,7 @@ mod tests {
                 (Effect::Deformation { hardness: value, radius: 1.0 }, "`hardness` of Deformation"),
                 (Effect::Deformation { hardness: 1.0, radius: value }, "`radius` of Deformation"),
                 (Effect::ForceFeedback { stiffness: value }, "`stiffness` of ForceFeedback"),
+                (Effect::Tracking { tolerance: value }, "`tolerance` of Tracking"),
             ];
             for (effect, says) in cases {
                 let error = Wish::of(&[effect], || "body 'hook'".into()).unwrap_err().to_string();

@@ -10,8 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 mod path;
+mod tracker;
 
 pub use path::{Interpolation, Keyframe, KeyframedPath, PathEnd, PathError};
+pub use tracker::{OneEuro, SimulatedDevice, TrackerDescription, TrackerError, TrackerSettings};
 
 /// A whole scene.
 #[derive(Clone, Debug)]
@@ -110,6 +112,9 @@ pub struct BodyDescription {
     /// Where it goes, in place of its velocities. Kinematic bodies only; `pose` is the path's at
     /// time 0.
     pub path: Option<Arc<KeyframedPath>>,
+    /// What measures it on its path, if it goes where a device sees it instead of where it is. It
+    /// needs `Tracking`.
+    pub tracker: Option<TrackerDescription>,
     /// What it is made of.
     pub material: Material,
     /// Its mass, where it does not follow from the material's density and the solid.
@@ -204,6 +209,12 @@ pub enum Effect {
         /// Force a unit of length by which a body is moved into another one, > 0.
         stiffness: f64,
     },
+    /// What [`Trigger`](Self::Trigger) says of pairs whose poses are known to a tolerance only: it
+    /// begins and ends where that is certain. It needs `Trigger`.
+    Tracking {
+        /// By how much poses misplace a point of a body at most, > 0, units of length.
+        tolerance: f64,
+    },
 }
 
 impl Effect {
@@ -270,6 +281,7 @@ impl Effect {
             Self::Sound { .. } => "Sound",
             Self::Deformation { .. } => "Deformation",
             Self::ForceFeedback { .. } => "ForceFeedback",
+            Self::Tracking { .. } => "Tracking",
         }
     }
 }

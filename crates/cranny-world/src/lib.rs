@@ -64,6 +64,7 @@ pub mod description;
 mod error;
 mod estimates;
 mod layers;
+mod random;
 mod report;
 mod world;
 
@@ -75,6 +76,7 @@ pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
 pub use estimates::PairEstimate;
 pub use layers::Layers;
+pub use random::Random;
 pub use report::{
     Deepest, EstimateStats, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport,
     StepStats,

@@ -56,9 +56,11 @@ fn measured() -> Vec<(&'static str, Vec<Effect>)> {
         ("`Deformation(hardness: 100, radius: 0.3)`", DENTS),
         ("`ForceFeedback(stiffness: 500)`", Effect::ForceFeedback { stiffness: 500.0 }),
     ];
-    let all = alone.iter().map(|(_, effect)| *effect).collect();
+    let tracking = Effect::Tracking { tolerance: 0.01 };
+    let all = alone.iter().map(|(_, effect)| *effect).chain([tracking]).collect();
     let mut rows = vec![("`Response()`", Vec::new())];
     rows.extend(alone.into_iter().map(|(name, effect)| (name, vec![effect])));
+    rows.push(("`Tracking(tolerance: 0.01)`, `Trigger()`", vec![Effect::TRIGGER, tracking]));
     rows.push(("all of them", all));
     rows
 }

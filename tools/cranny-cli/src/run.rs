@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
     ContactFields, DeepestSummary, EstimateSummary, JointSummary, LeftSummary, PairsFound,
-    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TriggerSummary,
-    check_outputs, helices, rings,
+    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TrackedSummary,
+    TrackingSummary, TriggerSummary, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 
@@ -181,6 +181,8 @@ fn text(summary: &RunSummary) -> String {
         lines.add("triggers", format!("{a} and {b} began to touch {times}, after {step} steps"));
     }
     more(&mut lines, "triggers", "pairs", summary.triggers.len());
+    summary.tracking.iter().take(LISTED).for_each(|tracked| add_tracking(&mut lines, tracked));
+    more(&mut lines, "tracking", "bodies", summary.tracking.len());
     for LeftSummary { body, step } in summary.left.iter().take(LISTED) {
         lines.add("left", format!("{body} left the world after {step} steps"));
     }
@@ -276,6 +278,22 @@ fn more(lines: &mut Lines, heading: &'static str, what: &str, all: usize) {
     if all > LISTED {
         let more = all - LISTED;
         lines.add(heading, format!("and {more} more {what} (--format json lists all)"));
+    }
+}
+
+/// What tracking made of a body's contacts.
+fn add_tracking(lines: &mut Lines, tracked: &TrackingSummary) {
+    let TrackingSummary { body, truth, poses, late, missing, lost, .. } = tracked;
+    lines.add(
+        "tracking",
+        format!("{body} truly makes {truth} contacts; {poses} poses came, {late} of them too late, {missing} did not, {lost} times it was lost"),
+    );
+    for (poses, seen) in [("raw", &tracked.raw), ("filtered", &tracked.filtered)] {
+        let TrackedSummary { contacts, spurious, repeated, missed, latency_steps } = seen;
+        lines.add(
+            "tracking",
+            format!("{poses} poses make {contacts}: {spurious} spurious, {repeated} repeated, {missed} missed, up to {latency_steps} steps late"),
+        );
     }
 }
 

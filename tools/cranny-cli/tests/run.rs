@@ -471,3 +471,51 @@ fn the_motors_of_a_robot_hold_as_far_as_their_effort_goes() {
     let said = str::from_utf8(&checked.stdout).unwrap();
     assert!(said.contains("warning: ") && said.contains("\"arm/frame\""), "{said}");
 }
+
+/// A stylus whose device errs by 2 mm: what filtering does to its contacts.
+#[test]
+fn contacts_of_a_tracked_body_are_counted_beside_the_truth() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/scenes/imprecise_tracking.ron");
+    let line = run_json(scene, &["--quiet"]);
+    let [stylus] = line["tracking"].as_array().unwrap().as_slice() else { panic!("{line}") };
+    let count = |way: &str, what: &str| stylus[way][what].as_u64().unwrap();
+    assert_eq!((&stylus["body"], &stylus["truth"]), (&"stylus".into(), &3.into()), "{stylus}");
+    let filtered = ["contacts", "spurious", "repeated", "missed"].map(|s| count("filtered", s));
+    assert_eq!(filtered, [3, 0, 0, 0], "{stylus}");
+    assert!(count("raw", "spurious") > 20 && count("raw", "repeated") > 0, "{stylus}");
+    let [trigger] = line["triggers"].as_array().unwrap().as_slice() else { panic!("{line}") };
+    assert_eq!(trigger["times"], 3);
+    assert_eq!(run_json(scene, &["--quiet"])["state_hash"], line["state_hash"]);
+    assert_ne!(run_json(scene, &["--quiet", "--seed", "2"])["state_hash"], line["state_hash"]);
+    let text = cranny(&["run", scene, "--quiet"]);
+    let text = str::from_utf8(&text.stdout).unwrap();
+    for said in ["stylus truly makes 3 contacts", "filtered poses make 3: 0 spurious, 0 repeated"] {
+        assert!(text.contains(said), "{said:?} is missing in {text}");
+    }
+}
+
+#[test]
+fn a_tracker_that_cannot_be_is_refused_by_name_with_its_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tracked.ron");
+    let refused = |path_of: &str, tracker: &str, effects: &str, words: &[&str]| {
+        let text = format!(
+            "(bodies: [\n(name: \"hand\", shape: Generator(Cuboid()), kind: Kinematic,{path_of} tracker: ({tracker}), effects: [{effects}])])"
+        );
+        fs::write(&path, text).unwrap();
+        let path = path.to_str().unwrap();
+        for command in ["check", "run"] {
+            assert_refused(&cranny(&[command, path]), 2, words);
+        }
+    };
+    let on = " path: (keyframes: [(time: 0)]),";
+    let both = "Trigger(), Tracking(tolerance: 1)";
+    let device = "device: (rate: 100)";
+    refused("", device, both, &["hand", "path", "line 2"]);
+    refused(on, device, "Trigger()", &["hand", "Tracking(tolerance"]);
+    refused(on, device, "Tracking(tolerance: 1)", &["Tracking needs Trigger"]);
+    refused(on, "device: (rate: 5)", both, &["hand", "lost_after", "line 2"]);
+    refused(on, "device: (rate: 0)", both, &["greater than 0", "line 2"]);
+    refused(on, "device: (rate: 9, dropouts: 1.5)", both, &["from 0 to 1", "1.5", "line 2"]);
+    refused(on, "", both, &["device", "line 2"]);
+}

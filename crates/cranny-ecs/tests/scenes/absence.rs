@@ -18,6 +18,7 @@ use crate::build::gate;
 const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
 const PROXIMITY: Effect = Effect::proximity(0.5);
 const FEEDBACK: Effect = Effect::ForceFeedback { stiffness: 100.0 };
+const TRACKING: Effect = Effect::Tracking { tolerance: 0.1 };
 const SOUND: Effect = Effect::Sound { above: 0.1 };
 const DENTS: Effect = Effect::Deformation { hardness: 100.0, radius: 0.1 };
 
@@ -133,6 +134,24 @@ fn force_feedback_exists_where_it_is_named_and_only_there() {
     }
 }
 
+#[test]
+fn tracking_exists_where_it_is_named_and_only_there() {
+    for effects in [&[Effect::TRIGGER, TRACKING][..], &[Effect::TRIGGER], &[]] {
+        let mut app = app(effects);
+        // Systems register what they read as they first run.
+        assert!(app.step().unwrap());
+        let (app, named) = (app.app(), effects.contains(&TRACKING));
+        assert_eq!(scheduled(app, TrackingSystems::Lead.intern()), named);
+        assert_eq!(scheduled(app, TrackingSystems::Decide.intern()), named);
+        assert_eq!(app.world().component_id::<Tracker>().is_some(), named);
+        // Nothing is simulated where no body of the scene has a tracker.
+        assert!(!scheduled(app, TrackingSystems::Simulate.intern()));
+        assert!(!scheduled(app, TrackingSystems::Compare.intern()));
+        assert!(!app.world().contains_resource::<TrackingLog>());
+        assert!(app.world().component_id::<SimulatedTracker>().is_none());
+    }
+}
+
 #[cfg(feature = "rapier")]
 #[test]
 fn sound_and_dents_exist_where_they_are_named_and_only_there() {
@@ -237,15 +256,18 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let of_detection = [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK];
+    let of_detection =
+        [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK, TRACKING];
     let of_response = [Effect::Response, Effect::Continuous, SOUND, DENTS];
-    let count = if cfg!(feature = "rapier") { 9 } else { 5 };
+    let count = if cfg!(feature = "rapier") { 10 } else { 6 };
     let all = [&of_detection[..], &of_response].concat();
     let all = &all[..count];
     // What works on what another effect does cannot be without it.
     let works = |effects: &[Effect]| {
         let needs = |effect: &Effect| of_response[1..].contains(effect);
-        effects.contains(&Effect::Response) || !effects.iter().any(needs)
+        let has = |effect| effects.contains(&effect);
+        (has(Effect::Response) || !effects.iter().any(needs))
+            && (has(Effect::TRIGGER) || !has(TRACKING))
     };
     // Beside none, each other one, each other one with a solver, and all others.
     let cases = all.iter().flat_map(|&effect| {
@@ -256,7 +278,7 @@ fn one_effect_more_is_exactly_its_systems_more() {
         beside.map(move |without| (without, effect))
     });
     let cases = cases.filter(|(without, effect)| {
-        !without.contains(effect) && (count > 5 || !without.contains(&Effect::Response))
+        !without.contains(effect) && (count > 6 || !without.contains(&Effect::Response))
     });
     for (without, effect) in cases {
         let without = &without[..];

@@ -25,6 +25,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
         linear_velocity: velocity,
         angular_velocity: DVec3::ZERO,
         path: None,
+        tracker: None,
         material: Material::default(),
         mass: None,
         normals: Normals::Flat,

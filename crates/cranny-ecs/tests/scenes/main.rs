@@ -26,5 +26,6 @@ mod response;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+mod tracking;
 #[cfg(all(feature = "rapier", feature = "scene"))]
 mod worlds;

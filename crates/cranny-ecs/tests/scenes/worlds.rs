@@ -24,6 +24,19 @@ fn pose(app: &SceneApp, name: &str) -> Pose {
     pose_of(world.get::<Transform>(entity).unwrap())
 }
 
+/// The stylus hovers over rim, wall and floor, and truly touches three times.
+#[test]
+fn a_stylus_that_shakes_makes_its_three_contacts_and_no_other() {
+    let mut app = app("imprecise_tracking.ron", None);
+    while app.step().unwrap() {}
+    let tracking = app.finish().unwrap().tracking.remove(0);
+    let TrackedSummary { contacts, spurious, repeated, missed, latency_steps } = tracking.filtered;
+    assert_eq!((tracking.truth, contacts, spurious, repeated, missed), (3, 3, 0, 0, 0));
+    assert!(latency_steps < 60, "{tracking:?}");
+    assert!(tracking.raw.spurious > 20 && tracking.raw.repeated > 0, "{tracking:?}");
+    assert!(tracking.late > 0 && tracking.missing > 50 && tracking.lost > 0, "{tracking:?}");
+}
+
 /// By how many degrees bodies have turned, from before a run to after it.
 fn turned(name: &str, seconds: f64, bodies: &[&str]) -> Vec<f64> {
     let mut app = app(name, Some(seconds));

@@ -12,6 +12,7 @@ use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
     Keyframe, KeyframedPath, Material, PairDescription, Resistance, SceneDescription, StatedMass,
+    TrackerDescription,
 };
 
 use super::geometry::CollisionGeometry;
@@ -134,6 +135,7 @@ impl Assembly<'_> {
         let mass = self.mass(&body.name, kind, &geometry, body.mass, body.material.into())?;
         let visual = body.visual.as_ref().map(|visual| self.drawn(&body.name, visual));
         let path = self.path(body, kind)?;
+        let tracker = self.tracker(body)?;
         let whose = format!("body {:?}", body.name);
         let pose = path.as_ref().map(|path| path.pose_at(0.0));
         let pose = pose.unwrap_or_else(|| self.pose(&whose, body.pose.unwrap_or_default()));
@@ -147,6 +149,7 @@ impl Assembly<'_> {
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
             path: path.map(Arc::new),
+            tracker,
             material: body.material.into(),
             mass,
             normals: body.normals.into(),
@@ -193,6 +196,18 @@ impl Assembly<'_> {
         path.map(Some)
     }
 
+    /// What measures a body, if something does.
+    fn tracker(&self, body: &BodyFile) -> Result<Option<TrackerDescription>, SceneError> {
+        let Some(file) = &body.tracker else { return Ok(None) };
+        if body.path.is_none() {
+            let what = "it has a tracker but no path. Give it the path on which the device sees it, or leave the tracker out";
+            return Err(self.contradicted(&body.name, what));
+        }
+        let tracker = file.description(self.description.seed);
+        let checked = tracker.check().map(|()| Some(tracker));
+        checked.map_err(|why| self.contradicted(&body.name, format!("its tracker: {why}")))
+    }
+
     fn pile(&mut self, group: &PileFile, index: u64) -> Result<(), SceneError> {
         let refuse = |source: &Source<'_>, problem: String| {
             let place = source.find("name", &group.name);
@@ -231,6 +246,7 @@ impl Assembly<'_> {
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             path: None,
+            tracker: None,
             material,
             mass: masses[piece.shape],
             normals: group.normals.into(),

@@ -16,7 +16,7 @@ use super::syntax::AccuracyFile;
 use super::values::{NotNegative, Positive};
 
 /// What this version computes.
-const AVAILABLE: [&str; 9] = [
+const AVAILABLE: [&str; 10] = [
     "Trigger",
     "Proximity",
     "Contacts",
@@ -26,6 +26,7 @@ const AVAILABLE: [&str; 9] = [
     "Sound",
     "Deformation",
     "ForceFeedback",
+    "Tracking",
 ];
 
 /// What a scene gets by other means: the effect and how.
@@ -118,6 +119,12 @@ impl<'de> Visitor<'de> for EffectVisitor {
                 .map(|ForceFeedbackFile { stiffness }| Effect::ForceFeedback {
                     stiffness: stiffness.0,
                 }),
+            Name::Tracking => content
+                .struct_variant(
+                    &["tolerance"],
+                    Parameters::<TrackingFile>::new("the parameter tolerance"),
+                )
+                .map(|TrackingFile { tolerance }| Effect::Tracking { tolerance: tolerance.0 }),
         };
         effect.map(EffectFile)
     }
@@ -134,6 +141,7 @@ enum Name {
     Sound,
     Deformation,
     ForceFeedback,
+    Tracking,
 }
 
 impl<'de> Deserialize<'de> for Name {
@@ -162,6 +170,7 @@ impl Visitor<'_> for NameVisitor {
             "Sound" => return Ok(Name::Sound),
             "Deformation" => return Ok(Name::Deformation),
             "ForceFeedback" => return Ok(Name::ForceFeedback),
+            "Tracking" => return Ok(Name::Tracking),
             _ => {}
         }
         if let Some((_, how)) = ELSEWHERE.iter().find(|(known, _)| *known == name) {
@@ -306,4 +315,10 @@ struct DeformationFile {
 #[serde(deny_unknown_fields)]
 struct ForceFeedbackFile {
     stiffness: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrackingFile {
+    tolerance: Positive,
 }

@@ -31,8 +31,8 @@ mod mass;
 mod pile;
 mod place_robot;
 mod problem;
-mod random;
 mod syntax;
+mod tracker;
 mod values;
 
 use std::fs;

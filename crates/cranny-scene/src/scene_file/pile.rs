@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
-
-use super::random::Random;
+use cranny_world::Random;
 
 /// A body of a pile.
 pub(super) struct Piece {

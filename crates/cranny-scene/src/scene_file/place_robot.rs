@@ -233,6 +233,7 @@ impl Placing<'_> {
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             path: None,
+            tracker: None,
             material: Material::from(self.file.material),
             mass: None,
             normals: self.file.normals.into(),

@@ -16,6 +16,7 @@ use serde::Deserialize;
 use super::effect::EffectFile;
 use super::locate::byte_at;
 use super::problem::{SceneError, SceneProblem, located};
+use super::tracker::TrackerFile;
 use super::values::{
     Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
 };
@@ -104,6 +105,9 @@ pub(super) struct BodyFile {
     /// Where a kinematic body goes, in place of pose and velocity.
     #[serde(default)]
     pub(super) path: Option<PathFile>,
+    /// What measures it on its path.
+    #[serde(default)]
+    pub(super) tracker: Option<TrackerFile>,
     #[serde(default)]
     pub(super) material: MaterialFile,
     #[serde(default)]

@@ -1,19 +1,23 @@
 //! Reproducible random numbers.
 
-use cranny_exact::DQuat;
+use cranny_exact::{DQuat, DVec3};
 
 /// SplitMix64 (Steele, Lea and Flood 2014, 'Fast splittable pseudorandom number generators'): the
 /// same numbers from the same seed on every machine.
-pub(super) struct Random {
+#[derive(Clone, Debug)]
+pub struct Random {
     state: u64,
 }
 
 impl Random {
-    pub(super) fn new(seed: u64) -> Self {
+    /// The sequence of a seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    pub(super) fn next(&mut self) -> u64 {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -22,19 +26,29 @@ impl Random {
     }
 
     /// From 0 to below `count`, which is at least 1.
-    pub(super) fn below(&mut self, count: usize) -> usize {
-        ((u128::from(self.next()) * count as u128) >> 64) as usize
+    pub fn below(&mut self, count: usize) -> usize {
+        ((u128::from(self.bits()) * count as u128) >> 64) as usize
     }
 
     /// From −1 to below 1.
-    pub(super) fn signed(&mut self) -> f64 {
+    pub fn signed(&mut self) -> f64 {
         // 53 random bits are every multiple of 2^-52 in the interval.
-        (self.next() >> 11) as f64 * f64::EPSILON - 1.0
+        (self.bits() >> 11) as f64 * f64::EPSILON - 1.0
+    }
+
+    /// Uniform over the unit ball.
+    pub fn in_ball(&mut self) -> DVec3 {
+        loop {
+            let p = DVec3::new(self.signed(), self.signed(), self.signed());
+            if p.length_squared() <= 1.0 {
+                return p;
+            }
+        }
     }
 
     /// Uniform over all rotations: a point of the unit ball in four dimensions, away from its
     /// centre, projected onto the sphere. Needs no trigonometry, so it is the same everywhere.
-    pub(super) fn rotation(&mut self) -> DQuat {
+    pub fn rotation(&mut self) -> DQuat {
         loop {
             let q = DQuat::from_xyzw(self.signed(), self.signed(), self.signed(), self.signed());
             let squared = q.length_squared();
@@ -52,7 +66,7 @@ mod tests {
     #[test]
     fn the_published_sequence() {
         let mut random = Random::new(1_234_567);
-        let first: Vec<u64> = (0..3).map(|_| random.next()).collect();
+        let first: Vec<u64> = (0..3).map(|_| random.bits()).collect();
         assert_eq!(
             first,
             [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]

@@ -1,0 +1,329 @@
+//! Tracked bodies: contacts under jitter, delay and loss, beside those of the true motion.
+//! Lengths are millimetres.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+use bevy_transform::components::Transform;
+use cranny_ecs::*;
+use cranny_exact::{DVec3, Pose};
+use cranny_shapes::{Cuboid, Cup};
+use cranny_world::Random;
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, OneEuro, PathEnd,
+    SceneDescription, SimulatedDevice, TrackerDescription, TrackerSettings,
+};
+
+use crate::build::{cube, empty, messages, scene, steps, unit, up, world};
+
+/// Steps a second, and poses.
+const RATE: f64 = 240.0;
+const JITTER: f64 = 2.0;
+
+/// Errs by 2 mm, and in nothing else.
+fn shaky(seed: u64) -> SimulatedDevice {
+    SimulatedDevice {
+        rate: RATE,
+        jitter: JITTER,
+        latency: 0.0,
+        latency_spread: 0.0,
+        dropouts: 0.0,
+        occlusions: 0.0,
+        occluded_for: 0.0,
+        seed,
+    }
+}
+
+/// A pen in and about a cup: a way with keyframes so many seconds apart.
+fn pen_and_cup(
+    keyframes: &[(f64, Pose)],
+    tracker: TrackerDescription,
+    tolerance: f64,
+) -> SceneDescription {
+    let keyframes = keyframes.iter().map(|&(time, pose)| Keyframe { time, pose });
+    let path = KeyframedPath::new(keyframes.collect(), Interpolation::Eased, PathEnd::Hold);
+    let cup = Cup { radius: 40.0, height: 80.0, wall: 8.0, ..Cup::default() };
+    let pen = Cuboid { size: [6.0, 6.0, 60.0] };
+    let still = |name, kind| cube(name, kind, DVec3::ZERO, DVec3::ZERO);
+    let bodies = vec![
+        BodyDescription {
+            collision: Arc::new(cup.build().unwrap()),
+            ..still("cup", BodyKind::Fixed)
+        },
+        BodyDescription {
+            collision: Arc::new(pen.build().unwrap()),
+            path: Some(Arc::new(path.unwrap())),
+            tracker: Some(tracker),
+            effects: vec![Effect::TRIGGER, Effect::Tracking { tolerance }],
+            ..still("pen", BodyKind::Kinematic)
+        },
+    ];
+    SceneDescription { step: 1.0 / RATE, duration: 3.0, ..scene(bodies, &[]) }
+}
+
+/// A random way: the pen's middle within the cup's wall, in its well and above it.
+fn wander(seed: u64, pause: f64) -> Vec<(f64, Pose)> {
+    let mut random = Random::new(seed);
+    let count = (3.0 / pause) as u32;
+    let key = |i: u32| {
+        let place = DVec3::new(45.0, 45.0, 40.0) * random.in_ball() + DVec3::Z * 80.0;
+        let rotation = random.rotation();
+        (f64::from(i) * pause, Pose { rotation, translation: place })
+    };
+    (0..count).map(key).collect()
+}
+
+fn run(scene: &SceneDescription) -> RunSummary {
+    let mut app = SceneApp::new(scene, &RunOptions::default()).unwrap();
+    while app.step().unwrap() {}
+    app.finish().unwrap()
+}
+
+/// What happened over so many random ways, keyframes `pause` seconds apart.
+#[expect(clippy::print_stdout, reason = "a failure names its seed")]
+fn over_seeds(
+    seeds: std::ops::Range<u64>,
+    pause: f64,
+    settings: TrackerSettings,
+    tolerance: f64,
+    device: impl Fn(u64) -> SimulatedDevice,
+) -> TrackingSummary {
+    let runs = seeds.map(|seed| {
+        let tracker = TrackerDescription { settings, device: device(seed) };
+        let summary = run(&pen_and_cup(&wander(seed, pause), tracker, tolerance));
+        let [tracking] = <[_; 1]>::try_from(summary.tracking).unwrap();
+        println!("seed {seed}: {tracking:?}");
+        tracking
+    });
+    runs.reduce(joined).unwrap()
+}
+
+fn joined(a: TrackingSummary, b: TrackingSummary) -> TrackingSummary {
+    let beside = |a: TrackedSummary, b: TrackedSummary| TrackedSummary {
+        contacts: a.contacts + b.contacts,
+        spurious: a.spurious + b.spurious,
+        repeated: a.repeated + b.repeated,
+        missed: a.missed + b.missed,
+        latency_steps: a.latency_steps.max(b.latency_steps),
+    };
+    TrackingSummary {
+        body: a.body,
+        truth: a.truth + b.truth,
+        raw: beside(a.raw, b.raw),
+        filtered: beside(a.filtered, b.filtered),
+        poses: a.poses + b.poses,
+        late: a.late + b.late,
+        missing: a.missing + b.missing,
+        lost: a.lost + b.lost,
+    }
+}
+
+/// At a tolerance of the jitter and without smoothing: whatever overlaps by twice as much for a
+/// pose is reported in the next step.
+#[test]
+fn two_millimetres_of_jitter_make_no_contact_and_hide_none() {
+    for pause in [0.25, 0.5, 1.0] {
+        let all = over_seeds(0..16, pause, TrackerSettings::default(), JITTER, shaky);
+        let TrackedSummary { spurious, repeated, missed, latency_steps, .. } = all.filtered;
+        assert_eq!((spurious, repeated, missed), (0, 0, 0), "{all:?}");
+        assert!(latency_steps <= 2, "{all:?}");
+        assert!(all.raw.spurious > 20 && all.raw.repeated > 20, "without: {all:?}");
+        assert!(all.filtered.contacts > all.truth / 2, "{all:?}");
+    }
+}
+
+const SMOOTHING: Option<OneEuro> = Some(OneEuro { min_cutoff: 1.0, per_speed: 0.05 });
+
+/// Smoothing makes up for a tolerance of half the jitter, at the price of latency.
+#[test]
+fn smoothed_poses_bear_half_the_tolerance() {
+    let settings = TrackerSettings { smoothing: SMOOTHING, ..TrackerSettings::default() };
+    let all = over_seeds(0..24, 1.0, settings, 0.5 * JITTER, shaky);
+    let TrackedSummary { spurious, repeated, missed, latency_steps, .. } = all.filtered;
+    assert_eq!((spurious, repeated, missed), (0, 0, 0), "{all:?}");
+    assert!((2..60).contains(&latency_steps), "{all:?}");
+    assert!(all.raw.spurious > 20, "without: {all:?}");
+}
+
+#[test]
+fn late_disordered_and_missing_poses_make_no_contact_either() {
+    let settings = TrackerSettings { delay: 0.02, ..TrackerSettings::default() };
+    let device = |seed| SimulatedDevice {
+        rate: 120.0,
+        latency: 0.01,
+        latency_spread: 0.03,
+        dropouts: 0.2,
+        occlusions: 0.5,
+        occluded_for: 0.25,
+        ..shaky(seed)
+    };
+    let all = over_seeds(0..16, 0.5, settings, JITTER, device);
+    assert!(all.late > 100 && all.missing > 1000 && all.lost >= 10, "{all:?}");
+    assert_eq!((all.filtered.spurious, all.filtered.repeated), (0, 0), "{all:?}");
+    assert!(all.raw.spurious + all.raw.repeated > 20, "without: {all:?}");
+    // What falls into a time in which nobody sees the body is missed, and that is all.
+    assert!(all.filtered.missed <= 2, "{all:?}");
+}
+
+/// The pen upright, so far above the cup's rim (below 0: into it) from the second second on.
+fn above_rim(gap: f64) -> Vec<(f64, Pose)> {
+    let up = |z: f64| Pose::at(DVec3::new(36.0, 0.0, 110.0 + z));
+    vec![(0.0, up(20.0)), (0.5, up(gap)), (3.0, up(gap))]
+}
+
+#[test]
+fn what_waits_half_a_millimetre_from_a_rim_does_not_touch_it() {
+    let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(1) };
+    let mut scene = pen_and_cup(&above_rim(0.5), tracker, JITTER);
+    let summary = run(&scene);
+    let tracking = &summary.tracking[0];
+    assert_eq!((tracking.truth, tracking.filtered.contacts), (0, 0), "{tracking:?}");
+    assert!(tracking.raw.spurious > 40, "{tracking:?}");
+    assert!(summary.triggers.is_empty());
+    // Without the effect, triggers say what the poses do: hundreds of times.
+    scene.bodies[1].effects = vec![Effect::TRIGGER, Effect::Tracking { tolerance: 1e-9 }];
+    assert!(run(&scene).triggers[0].times > 40);
+}
+
+/// A slight contact that stays is within the jitter: smoothing tells it from none.
+#[test]
+fn what_lies_on_a_rim_lightly_is_found_by_smoothing() {
+    let found = |smoothing, tolerance| {
+        let settings = TrackerSettings { smoothing, ..TrackerSettings::default() };
+        let tracker = TrackerDescription { settings, device: shaky(1) };
+        let summary = run(&pen_and_cup(&above_rim(-0.7), tracker, tolerance));
+        (summary.tracking[0].truth, summary.tracking[0].filtered.contacts)
+    };
+    assert!(found(None, 0.4).1 > 3, "it comes and goes");
+    let slow = Some(OneEuro { min_cutoff: 0.5, per_speed: 0.01 });
+    assert_eq!(found(slow, 0.4), (1, 1));
+}
+
+#[test]
+fn one_seed_makes_one_run_and_another_another() {
+    let state = |seed| {
+        let settings = TrackerSettings { smoothing: SMOOTHING, ..TrackerSettings::default() };
+        let device = SimulatedDevice { dropouts: 0.1, latency_spread: 0.01, ..shaky(seed) };
+        let tracker = TrackerDescription { settings, device };
+        let summary = run(&pen_and_cup(&wander(3, 0.5), tracker, JITTER));
+        (summary.state_hash, summary.tracking)
+    };
+    assert_eq!(state(1), state(1));
+    assert_ne!(state(1).0, state(2).0);
+}
+
+/// A unit cube at the origin, and a tracked one that an app moves along x.
+fn tracked_app(effects: &[Effect], other: RigidBody) -> (SceneApp, [Entity; 2]) {
+    let mut app = empty(effects);
+    let fixed = world(&mut app).spawn((other, unit(), up(0.0))).id();
+    let tracker = Tracker::new(TrackerSettings::default()).unwrap();
+    let tracked = (RigidBody::Kinematic, unit(), tracker, Tracking { tolerance: 0.1 });
+    let tracked = world(&mut app).spawn((tracked, Transform::from_xyz(3.0, 0.0, 0.0))).id();
+    (app, [fixed, tracked])
+}
+
+/// Shows the tracked body at x for some steps; returns what began (true) and ended in each.
+fn show(app: &mut SceneApp, tracked: Entity, place: Option<f64>, count: usize) -> Vec<bool> {
+    let mut told = Vec::new();
+    for _ in 0..count {
+        let time = app.app().world().resource::<SimulatedTime>().seconds();
+        if let Some(x) = place {
+            let mut tracker = world(app).get_mut::<Tracker>(tracked).unwrap();
+            tracker.report(TrackedPose { time, pose: Pose::at(DVec3::X * x) }).unwrap();
+        }
+        steps(app, 1);
+        told.extend(messages::<CollisionStart>(app).iter().map(|_| true));
+        told.extend(messages::<CollisionEnd>(app).iter().map(|_| false));
+    }
+    told
+}
+
+const FILTERED: [Effect; 2] = [Effect::TRIGGER, Effect::Tracking { tolerance: 0.1 }];
+
+#[test]
+fn a_contact_begins_beyond_the_tolerance_and_ends_beyond_it() {
+    let (mut app, [fixed, tracked]) = tracked_app(&FILTERED, RigidBody::Fixed);
+    let mut at = |x: f64| {
+        let told = show(&mut app, tracked, Some(x), 3);
+        let mut touching = SystemState::<Collisions>::new(world(&mut app));
+        let touches = touching.get(app.app().world()).unwrap().are_touching(fixed, tracked);
+        let listed = !app.app().world().get::<TouchingBodies>(fixed).unwrap().0.is_empty();
+        assert_eq!(touches, listed, "two ways to one answer");
+        (told, touches)
+    };
+    assert_eq!(at(1.05), (vec![], false));
+    assert_eq!(at(0.95), (vec![], false), "an overlap within the tolerance");
+    assert_eq!(at(0.85), (vec![true], true));
+    assert_eq!(at(0.95), (vec![], true));
+    assert_eq!(at(1.05), (vec![], true), "a gap within the tolerance");
+    assert_eq!(at(1.15), (vec![false], false));
+    assert_eq!(at(0.95), (vec![], false));
+}
+
+#[test]
+fn a_body_that_is_lost_begins_no_contact_and_keeps_its_own() {
+    let (mut app, [_, tracked]) = tracked_app(&FILTERED, RigidBody::Fixed);
+    let other = world(&mut app).spawn((RigidBody::Kinematic, unit(), up(0.0))).id();
+    world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 5.0;
+    assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true]);
+    assert!(show(&mut app, tracked, None, 30).is_empty(), "it is held, and so is its contact");
+    assert!(app.app().world().get::<Tracker>(tracked).unwrap().is_lost());
+    world(&mut app).get_mut::<Transform>(other).unwrap().translation.x = 1.0;
+    let told = show(&mut app, tracked, None, 5);
+    assert!(told.is_empty(), "nobody knows whether it is there");
+    assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true], "now somebody does");
+}
+
+/// It is led by velocities, and appears without one.
+#[test]
+fn a_tracked_body_appears_and_then_moves() {
+    let (mut app, [_, tracked]) = tracked_app(&FILTERED, RigidBody::Fixed);
+    let speed = |app: &SceneApp| app.app().world().get::<LinearVelocity>(tracked).unwrap().0.x;
+    let x = |app: &SceneApp| app.app().world().get::<Transform>(tracked).unwrap().translation.x;
+    show(&mut app, tracked, Some(9.0), 1);
+    assert_eq!((x(&app), speed(&app)), (9.0, 0.0));
+    show(&mut app, tracked, Some(9.5), 1);
+    assert_eq!((x(&app), speed(&app)), (9.5, 32.0));
+}
+
+/// What the solver pushes away is never overlapped by as much as the tolerance.
+#[cfg(feature = "rapier")]
+#[test]
+fn what_a_tracked_body_pushes_is_touched_by_it() {
+    let effects = [&FILTERED[..], &[Effect::Response]].concat();
+    let (mut app, [pushed, tracked]) = tracked_app(&effects, RigidBody::Dynamic);
+    world(&mut app).entity_mut(pushed).insert(GravityScale(0.0));
+    let mut told = Vec::new();
+    for i in 0..60 {
+        told.extend(show(&mut app, tracked, Some(2.0 - 0.03 * f64::from(i)), 1));
+    }
+    assert_eq!(told.first(), Some(&true), "{told:?}");
+    assert!(app.app().world().get::<Transform>(pushed).unwrap().translation.x < -0.5);
+}
+
+#[test]
+fn what_does_not_go_together_is_refused_with_its_remedy() {
+    let refused = |change: fn(&mut SceneDescription)| {
+        let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(1) };
+        let mut scene = pen_and_cup(&wander(1, 1.0), tracker, JITTER);
+        change(&mut scene);
+        let refused = check_effects(&scene).err();
+        let refused = refused.or_else(|| SceneApp::new(&scene, &RunOptions::default()).err());
+        refused.expect("refused").to_string()
+    };
+    let alone = refused(|scene| scene.bodies[1].effects = vec![Effect::TRIGGER]);
+    assert!(alone.starts_with("body 'pen' has a tracker, but no effect Tracking"), "{alone}");
+    let silent =
+        refused(|scene| scene.bodies[1].effects = vec![Effect::Tracking { tolerance: 1.0 }]);
+    assert_eq!(silent, "Tracking needs Trigger: name Trigger too, or leave Tracking out");
+    let nowhere = refused(|scene| scene.bodies[1].path = None);
+    assert!(nowhere.contains("'pen'") && nowhere.contains("path"), "{nowhere}");
+    let (mut app, _) = tracked_app(&FILTERED, RigidBody::Fixed);
+    let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(1) };
+    SpawnScene::new(&pen_and_cup(&wander(1, 1.0), tracker, JITTER)).unwrap().spawn(world(&mut app));
+    let unsimulated = app.step().unwrap_err().to_string();
+    assert!(unsimulated.contains("'pen'") && unsimulated.contains("SimulatedTrackersPlugin"));
+    let slow = refused(|scene| scene.bodies[1].tracker.as_mut().unwrap().device.rate = 5.0);
+    assert!(slow.contains("'pen'") && slow.contains("lost_after"), "{slow}");
+}
