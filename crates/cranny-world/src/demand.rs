@@ -127,7 +127,7 @@ impl Wish {
         for effect in effects {
             wish.levels = wish.levels.join(Levels::of(effect));
             wish = wish.join(match *effect {
-                Effect::TRIGGER { .. } => Self { verdict: true, ..Self::default() },
+                Effect::Trigger { .. } => Self { verdict: true, ..Self::default() },
                 Effect::Proximity { within, .. } if within.is_finite() && within > 0.0 => {
                     Self { within: Some(within), ..Self::default() }
                 }

@@ -531,8 +531,8 @@ fn what_is_near_is_kept_and_changes_no_answer() {
     assert!(4 * kept < 3 * looked, "{kept} nodes compared, {looked} without memory");
 }
 
-/// A tall box is pushed against the side of a low one: the overlap is a sliver. That edges of the two
-/// cross, seen from above, makes nothing as deep as the side is high.
+/// A tall box is pushed against the side of a low one: the overlap is a sliver. That edges of the
+/// two cross, seen from above, makes nothing as deep as the side is high.
 #[test]
 fn a_sliver_beside_is_no_deep_overlap() {
     let (tall, low) =
