@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn the_most_exact_of_a_pairs_levels_counts_and_what_needs_contacts_is_exact() {
         use Accuracy::{Caps, Exact, Hulls, Tree};
-        let trigger = |level| Effect::TRIGGER { accuracy: Some(level) };
+        let trigger = |level| Effect::Trigger { accuracy: Some(level) };
         let near = |level| Effect::Proximity { within: 1.0, accuracy: Some(level) };
         let level = |effects: &[Effect], unstated, sensor| {
             Wish::of(effects, String::new).unwrap().accuracy(unstated, sensor)
