@@ -156,7 +156,12 @@ fn errors_name_line_column_and_what_was_expected() {
             "line 2, column",
             "from 0 to π, found 4",
         ),
-        ("density: 2", "density: -2", "line 4, column", "greater than 0, found -2"),
+        (
+            "density: 2",
+            "density: -2",
+            "line 4, column",
+            "`density`: expected a finite number greater than 0, found -2",
+        ),
         ("restitution: 1", "restitution: 1.5", "line 4, column", "from 0 to 1, found 1.5"),
         ("at: (0, 0, 20)", "at: (0, NaN, 20)", "line 3, column", "coordinate y is NaN"),
         ("kind: Fixed", "kind: Static", "line 5, column", "Unexpected variant named `Static`"),

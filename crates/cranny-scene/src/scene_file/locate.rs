@@ -113,6 +113,14 @@ fn block_comment(rest: &str) -> usize {
     rest.len()
 }
 
+/// The field whose value ends at a byte, or goes on there.
+pub(super) fn field_before(text: &str, byte: usize) -> Option<&str> {
+    let (before, _) = text.get(..byte)?.rsplit_once(':')?;
+    let is_of_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let name = before.rsplit(|c| !is_of_name(c)).next();
+    name.filter(|name| !name.is_empty())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,5 +154,15 @@ mod tests {
         for text in ["name: \"a", "/* name", "\"\\", "é\"ü\\"] {
             assert_eq!(find(text, "name", "a", 0), None);
         }
+    }
+
+    #[test]
+    fn the_field_of_a_value_is_the_one_before_it() {
+        let text = "(material: (density: -1), layers: [])";
+        let end = text.find("-1").unwrap() + 2;
+        assert_eq!(field_before(text, end), Some("density"));
+        assert_eq!(field_before("(1, 2", 5), None);
+        assert_eq!(field_before("é: 1", 1), None, "within a letter");
+        assert_eq!(field_before(": 1", 3), None);
     }
 }

@@ -10,11 +10,12 @@ use cranny_shapes::Shape;
 use cranny_world::description::{
     Accuracy, BodyKind, Effect, Interpolation, Material, Normals, PathEnd, RecordDescription,
 };
+use ron::Error;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::effect::EffectFile;
-use super::locate::byte_at;
+use super::locate::{byte_at, field_before};
 use super::problem::{SceneError, SceneProblem, located};
 use super::tracker::TrackerFile;
 use super::values::{
@@ -681,7 +682,10 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
     options.from_str(text).map_err(|error| {
         let start = byte_at(text, error.span.start.line, error.span.start.col);
         let end = byte_at(text, error.span.end.line, error.span.end.col);
-        let problem = SceneProblem::Syntax(error.code.to_string());
+        // What the reader says of a value does not name its field.
+        let field = field_before(text, start).filter(|_| matches!(error.code, Error::Message(_)));
+        let said = field.map_or(String::new(), |field| format!("`{field}`: "));
+        let problem = SceneProblem::Syntax(said + &error.code.to_string());
         located(path, text, Some(start..end.max(start)), problem)
     })
 }
