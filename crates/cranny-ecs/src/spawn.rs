@@ -60,8 +60,8 @@ impl LayerNames {
 /// Its bodies, joints, pairs and effects become entities and components; gravity, step, budget and
 /// cameras stay those of the app. What the scene asks for all bodies, each of its bodies asks for,
 /// at the scene's level, and each pair with a level of its own at that level. Of the two the more
-/// exact counts: a pair whose level is coarser than the scene's is at the scene's. Effects of bodies
-/// that state no level are at the app's.
+/// exact counts: a pair whose level is coarser than the scene's is at the scene's. Effects of
+/// bodies that state no level are at the app's.
 #[derive(Clone, Debug)]
 pub struct SpawnScene {
     scene: Arc<SceneDescription>,
