@@ -218,10 +218,10 @@ fn a_spawned_scene_keeps_the_levels_of_its_pairs() {
     }
 }
 
-/// An app without bodies whose other effects are at the level of boxes.
+/// An app without bodies that asks for effects at the level of boxes.
 fn plugged(effects: &[Effect]) -> SceneApp {
     let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
-    let options = RunOptions { plugins, ..at(Accuracy::Boxes) };
+    let options = RunOptions { plugins, ..RunOptions::default() };
     let mut never = crate::build::scene(Vec::new(), effects);
     never.duration = 100.0;
     never.effects = effects.iter().map(|effect| effect.stating(Some(Accuracy::Boxes))).collect();
