@@ -220,7 +220,7 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
 
 /// Makes an entity ask for some effects more. Of two lengths and of two stiffnesses the larger
 /// counts, of two thresholds and two hardnesses the smaller, of two levels the more exact; what
-/// states none is then at the app's.
+/// states none is then at the app's, also in a pair that states another one.
 pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     for effect in effects {
         match *effect {
@@ -279,7 +279,7 @@ fn joined(
 }
 
 fn state(entity: &mut EntityWorldMut<'_>, levels: EffectAccuracy) {
-    if levels != EffectAccuracy::default() {
+    if levels != EffectAccuracy::default() || entity.contains::<EffectAccuracy>() {
         entity.insert(levels);
     }
 }

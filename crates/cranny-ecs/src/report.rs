@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bevy_ecs::prelude::World;
 use bevy_transform::components::Transform;
-use cranny_world::description::SceneDescription;
+use cranny_world::description::{Accuracy, SceneDescription};
 
 use crate::body::Bodies;
 use crate::clock::{PhaseTimes, SimulatedTime};
@@ -35,7 +35,8 @@ pub(crate) struct RunFacts {
     pub(crate) interrupted: bool,
 }
 
-/// Of the text that the scene came from, its step, and every body's name, geometry and pose.
+/// Of the text that the scene came from, its step, its levels and its budget where they are not the
+/// default, and every body's name, geometry and pose.
 pub(crate) fn scene_hash(scene: &SceneDescription, source: Option<&str>) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut text = |text: &str| {
@@ -44,6 +45,7 @@ pub(crate) fn scene_hash(scene: &SceneDescription, source: Option<&str>) -> Stri
     };
     text(source.unwrap_or(""));
     scene.bodies.iter().for_each(|body| text(&body.name));
+    levels_in_words(scene).iter().for_each(|level| text(level));
     for number in [scene.step, scene.duration] {
         hasher.update(&number.to_bits().to_le_bytes());
     }
@@ -59,6 +61,19 @@ pub(crate) fn scene_hash(scene: &SceneDescription, source: Option<&str>) -> Stri
         }
     }
     hasher.finalize().to_hex().to_string()
+}
+
+/// The budget and the level of everything that has one; empty where all is exact.
+fn levels_in_words(scene: &SceneDescription) -> Vec<String> {
+    let level = |stated: Option<Accuracy>| stated.map_or("none".to_owned(), |l| l.to_string());
+    let mut levels: Vec<String> =
+        scene.budget.map(|budget| budget.to_string()).into_iter().collect();
+    if !levels.is_empty() || scene.levels() != [Accuracy::Exact] {
+        levels.push(scene.accuracy.to_string());
+        levels.extend(scene.all_effects().map(|effect| level(effect.stated_level())));
+        levels.extend(scene.pairs.iter().map(|pair| level(pair.accuracy)));
+    }
+    levels
 }
 
 /// Sums a run up.

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
 use cranny_world::description::{
-    BodyDescription, BodyKind, Effect, Normals, SceneDescription, TrackerDescription,
+    Accuracy, BodyDescription, BodyKind, Effect, Normals, SceneDescription, TrackerDescription,
 };
 
 use crate::body::{narrowed, transform_of};
@@ -60,7 +60,9 @@ impl LayerNames {
 ///
 /// Its bodies, joints, pairs and effects become entities and components; gravity, step, budget and
 /// cameras stay those of the app. What the scene asks for all bodies, each of its bodies asks for,
-/// at the scene's level; other effects that state no level are at the app's.
+/// at the scene's level, and each pair with a level of its own at that level. Of the two the more
+/// exact counts: a pair whose level is coarser than the scene's is at the scene's. Effects of
+/// bodies that state no level are at the app's.
 #[derive(Clone, Debug)]
 pub struct SpawnScene {
     scene: Arc<SceneDescription>,
@@ -108,6 +110,9 @@ impl SpawnScene {
             let mut entity = world.spawn(BodyPair { a, b });
             add_effects(&mut entity, &pair.effects);
             if let Some(level) = pair.accuracy {
+                let mut of_scene = self.effects_of_scene(level);
+                of_scene.retain(Effect::has_levels);
+                add_effects(&mut entity, &of_scene);
                 entity.insert(PairAccuracy(level));
             }
         }
@@ -187,13 +192,16 @@ impl SpawnScene {
             }
         }
         add_effects(&mut entity, &body.effects);
-        if !self.effects_known {
-            let level = |effect: &Effect| effect.stated_level().unwrap_or(self.scene.accuracy);
-            let stating: Vec<Effect> =
-                self.scene.effects.iter().map(|e| e.stating(Some(level(e)))).collect();
-            add_effects(&mut entity, &stating);
-        }
+        add_effects(&mut entity, &self.effects_of_scene(self.scene.accuracy));
         entity.insert(Collider::from(&self.models[index])).id()
+    }
+
+    /// What the scene asks for all bodies, at a level where it states none; empty where the app
+    /// asks for it already.
+    fn effects_of_scene(&self, unstated: Accuracy) -> Vec<Effect> {
+        let level = |effect: &Effect| effect.stated_level().unwrap_or(unstated);
+        let asked = self.scene.effects.iter().filter(|_| !self.effects_known);
+        asked.map(|effect| effect.stating(Some(level(effect)))).collect()
     }
 }
 

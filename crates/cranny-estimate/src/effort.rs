@@ -134,6 +134,12 @@ pub(crate) struct Meter<'a> {
     late: bool,
     /// Tests were wanted and refused.
     pub(crate) refused: bool,
+    /// Tests that the next estimate makes again.
+    repeated: u64,
+    /// Tests that are kept back, or would be.
+    held: u64,
+    /// The least budget with which one of the refused steps is made.
+    needed: Option<u64>,
 }
 
 /// Tests between two readings of the clock. Fewer: reading costs as much as the tests; more: the
@@ -142,14 +148,47 @@ const TESTS_A_READING: u64 = 32;
 
 impl<'a> Meter<'a> {
     pub(crate) fn of(budget: Budget<'a>) -> Self {
-        Self { budget, spent: 0, unread: None, late: false, refused: false }
+        Self {
+            budget,
+            spent: 0,
+            unread: None,
+            late: false,
+            refused: false,
+            repeated: 0,
+            held: 0,
+            needed: None,
+        }
     }
 
     /// Takes tests from the budget, if as many are left; returns whether they were.
     pub(crate) fn take(&mut self, tests: u64) -> bool {
         let taken = self.try_take(tests);
-        self.refused |= !taken;
+        if !taken {
+            self.refused = true;
+            // Less than twice what is held, and nothing is: the verdict would come last.
+            let needed = self.repeated + 2 * self.held + tests;
+            self.needed = Some(self.needed.map_or(needed, |least| least.min(needed)));
+        }
         taken
+    }
+
+    /// [Takes](Self::take) tests that every estimate makes: they bring nobody on.
+    pub(crate) fn take_again(&mut self, tests: u64) -> bool {
+        let taken = self.try_take(tests);
+        self.refused |= !taken;
+        self.repeats(tests);
+        taken
+    }
+
+    /// Counts tests that the next estimate makes again.
+    pub(crate) fn repeats(&mut self, tests: u64) {
+        self.repeated += tests;
+    }
+
+    /// The budget with which the next estimate makes a step that was refused to this one; 0 where
+    /// none was.
+    pub(crate) fn needed(&self) -> u64 {
+        if self.refused { self.needed.unwrap_or(self.repeated) } else { 0 }
     }
 
     fn try_take(&mut self, tests: u64) -> bool {
@@ -186,6 +225,7 @@ impl<'a> Meter<'a> {
 
     /// Keeps tests back until they are given back, if twice as many are left; returns how many.
     pub(crate) fn reserve(&mut self, tests: u64) -> u64 {
+        self.held = tests;
         match self.budget {
             Budget::Tests(_) if self.affords(2 * tests) => {
                 self.spent += tests;
@@ -193,6 +233,12 @@ impl<'a> Meter<'a> {
             }
             _ => 0,
         }
+    }
+
+    /// Gives back what [`reserve`](Self::reserve) has kept back.
+    pub(crate) fn release(&mut self, reserved: u64) {
+        self.held = 0;
+        self.give_back(reserved);
     }
 
     /// Returns tests that were taken and not made.
@@ -223,6 +269,18 @@ mod tests {
         meter.charge(9);
         assert!(!meter.take(1) && meter.take(0));
         assert!(Meter::of(Budget::Unlimited).take(u64::MAX));
+    }
+
+    #[test]
+    fn what_is_needed_holds_what_is_made_again_and_kept_back() {
+        let mut meter = Meter::of(Budget::Tests(4));
+        assert!(meter.take_again(2) && meter.needed() == 0);
+        let reserved = meter.reserve(5);
+        assert!(meter.take(2) && !meter.take(8) && !meter.take(6));
+        assert_eq!((reserved, meter.needed()), (0, 2 + 2 * 5 + 6));
+        meter.release(reserved);
+        assert!(!meter.take(1));
+        assert_eq!(meter.needed(), 2 + 1);
     }
 
     /// Moves on by one whenever it is read.

@@ -56,6 +56,10 @@ pub struct Estimate {
     /// Whether the budget ended the work before the level did: with more of it, more may be
     /// certain.
     pub ended_by_budget: bool,
+    /// Where a budget of tests ended the work: the budget below which the next estimate of the same
+    /// poses spends its tests on beginning, and gets no further. It may need more still. 0 where no
+    /// budget did.
+    pub needed_to_go_on: u64,
     /// Pairs of hull features and portals that a walk tested; 0 but for the levels
     /// [`Hulls`](crate::Accuracy::Hulls) and [`Caps`](crate::Accuracy::Caps).
     pub hull_steps: u64,
@@ -75,6 +79,7 @@ impl Estimate {
             answer: None,
             counters: Counters::default(),
             ended_by_budget: false,
+            needed_to_go_on: 0,
             hull_steps: 0,
         }
     }
@@ -101,6 +106,7 @@ impl Estimate {
             places: Vec::new(),
             counters: answer.counters,
             ended_by_budget: false,
+            needed_to_go_on: 0,
             hull_steps: 0,
             answer: Some(answer),
         }

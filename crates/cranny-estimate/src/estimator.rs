@@ -98,8 +98,11 @@ struct Estimator<'p, 'm> {
 impl Estimator<'_, '_> {
     /// Tests the faces that met last, or were nearest.
     fn recall(&mut self) {
-        let Some([f, g]) = self.warm.faces else { return };
-        if self.meter.take(Findings::TESTS_A_PAIR) {
+        let Some([f, g]) = self.warm.faces else {
+            self.meter.repeats(Findings::TESTS_A_PAIR); // This estimate finds some.
+            return;
+        };
+        if self.meter.take_again(Findings::TESTS_A_PAIR) {
             self.findings.test(f, g);
         } else {
             self.complete = false;
@@ -136,7 +139,7 @@ impl Estimator<'_, '_> {
         };
         let cut = &mut self.warm.refinement;
         self.complete &= cut.refine(trees, &scope, findings, &mut self.meter, outrun);
-        self.meter.give_back(reserved);
+        self.meter.release(reserved);
         let least = cut.least(trees);
         self.warm.distance.lo = self.warm.distance.lo.max(least);
     }
@@ -147,9 +150,11 @@ impl Estimator<'_, '_> {
             return;
         }
         self.hull_steps += 1;
+        self.meter.repeats(1);
         let Some(gap) = self.warm.hulls.walk(pair) else { return };
         self.hull_steps += gap.steps;
         self.meter.charge(gap.steps);
+        self.meter.repeats(gap.steps);
         self.hulls_apart = gap.apart;
         self.warm.distance.lo = self.warm.distance.lo.max(gap.lower);
         self.findings.offer_vertices(gap.vertices);
@@ -184,6 +189,7 @@ impl Estimator<'_, '_> {
         if self.trees.boxes.apart(first, second, 0.0) {
             return Some(outside);
         }
+        self.meter.repeats(1);
         let counters = &mut self.findings.counters;
         self.meter.take(point_tests(pair)).then(|| Solidity::of_disjoint_surfaces(pair, counters))
     }
@@ -229,6 +235,7 @@ impl Estimator<'_, '_> {
             answer: None,
             counters: self.findings.counters,
             ended_by_budget: self.meter.refused,
+            needed_to_go_on: self.meter.needed(),
             hull_steps: self.hull_steps,
         }
     }

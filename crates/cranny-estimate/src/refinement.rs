@@ -49,8 +49,17 @@ pub(crate) struct Entry {
     at: f64,
     pub(crate) nodes: NodePair,
     depths: [u8; 2],
-    /// All its faces were tested then, and memory holds any that were nearest.
-    tested: bool,
+    /// Which of its faces were tested then; memory holds any that were nearest.
+    tested: Tested,
+}
+
+/// Faces of a pair of leaves that were tested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tested {
+    None,
+    /// Those on the hulls.
+    OnHulls,
+    All,
 }
 
 impl Entry {
@@ -60,7 +69,7 @@ impl Entry {
         at: f64::NEG_INFINITY,
         nodes: [0, 0],
         depths: [0, 0],
-        tested: false,
+        tested: Tested::None,
     };
 
     fn depth(&self) -> u16 {
@@ -188,18 +197,23 @@ impl Refinement {
                     let key = if all { (self.odometer + lower).next_down() } else { entry.key };
                     complete &= all;
                     let key = key.max(entry.key);
-                    settled.push(Entry { key, at: self.odometer, tested: all, ..entry });
+                    let tested = if all { Tested::All } else { Tested::OnHulls };
+                    settled.push(Entry { key, at: self.odometer, tested, ..entry });
                 }
                 Step::Close => {
                     complete = false;
                     let peek = peeks > 0 && findings.wants_near_faces();
                     if peek && meter.take(Findings::TESTS_A_PAIR) {
                         peeks -= 1;
+                        meter.repeats(Findings::TESTS_A_PAIR);
                         self.peek(entry.nodes, trees, findings);
                     }
                     settled.push(entry);
                 }
-                Step::Rest => settled.push(entry),
+                Step::Rest { all } => {
+                    complete &= all;
+                    settled.push(entry);
+                }
             }
         }
         self.open.extend(settled);
@@ -256,8 +270,12 @@ impl Refinement {
     /// The next step at an entry.
     fn step(&self, entry: &Entry, trees: &PairTrees, scope: &Scope) -> Step {
         let lost = self.odometer - entry.at;
-        if lost <= 0.0 && entry.tested {
-            return Step::Rest;
+        match (entry.tested, scope) {
+            (Tested::All, _) if lost <= 0.0 => return Step::Rest { all: true },
+            (Tested::OnHulls, Scope::HullFaces(_)) if lost <= 0.0 => {
+                return Step::Rest { all: false };
+            }
+            _ => {}
         }
         let step = scope.step(trees, entry.nodes, entry.depths);
         match step {
@@ -286,7 +304,7 @@ impl Refinement {
         let boxes = [first.node(nodes[0]).bounds, second.node(nodes[1]).bounds];
         let (separation, guess) = trees.boxes.bound_and_guess(&boxes[0], &boxes[1]);
         let key = (self.odometer + separation).next_down();
-        Entry { key, guess, at: self.odometer, nodes, depths, tested: false }
+        Entry { key, guess, at: self.odometer, nodes, depths, tested: Tested::None }
     }
 
     pub(crate) fn bytes(&self) -> usize {

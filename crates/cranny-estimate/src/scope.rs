@@ -32,8 +32,11 @@ pub(crate) enum Step {
     },
     /// Leave it closed: the level admits no more.
     Close,
-    /// Leave it: its faces were tested at this pose.
-    Rest,
+    /// Leave it: those of its faces that the level admits were tested at this pose.
+    Rest {
+        /// They are all faces of the two leaves.
+        all: bool,
+    },
 }
 
 impl Step {
@@ -43,7 +46,7 @@ impl Step {
             Self::Test => 1,
             Self::Open(_) => 2,
             Self::TestFaces { pairs, .. } => Findings::TESTS_A_PAIR * pairs,
-            Self::Close | Self::Rest => 0,
+            Self::Close | Self::Rest { .. } => 0,
         }
     }
 }

@@ -251,6 +251,15 @@ pub struct StatsMessage {
     pub box_tests: u64,
     /// End points of boxes that changed places.
     pub swaps: u64,
+    /// Pairs that were estimated, at a level or within a budget: they are not answered exactly.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub estimated_pairs: usize,
+    /// Of these, pairs of which it is open whether they touch; `touching_pairs` leaves them out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub open_pairs: usize,
+    /// Elementary tests of all estimates.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub estimate_tests: u64,
     /// The deepest overlap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deepest: Option<DeepestMessage>,
@@ -391,6 +400,9 @@ impl StatsMessage {
             front_merged: stats.counters.front_merged,
             box_tests: stats.broad_phase.box_tests,
             swaps: stats.broad_phase.swaps,
+            estimated_pairs: stats.estimates.pairs,
+            open_pairs: stats.estimates.open,
+            estimate_tests: stats.estimates.tests,
             deepest: frame.deepest.map(|d| DeepestMessage {
                 depth: d.depth,
                 a: d.a.to_owned(),
@@ -399,6 +411,11 @@ impl StatsMessage {
             measures: frame.measures.iter().map(MeasureMessage::of).collect(),
         }
     }
+}
+
+/// Whether a count says nothing.
+fn is_zero<T: Default + PartialEq>(count: &T) -> bool {
+    *count == T::default()
 }
 
 fn surface_name(surface: Surface) -> &'static str {

@@ -4,7 +4,10 @@
 //! step, which costs no test. Then tests go to pairs whose verdict is open, then to those whose
 //! distance may lie on either side of a reader's threshold, then to the widest intervals. Pairs of
 //! one kind get equal shares (intervals, shares by their widths); what a pair leaves is shared
-//! again among the others of its kind, and what a kind leaves goes on to the next.
+//! again among the others of its kind, and what a kind leaves goes on to the next. A pair that has
+//! waited long comes first, with a least share. A pair that does not get on with what is left
+//! waits; where the whole budget is too small for its next step, it overdraws once it stands still,
+//! one pair a step.
 
 use cranny_estimate::{Accuracy, Budget, Effort, EstimateMemory, Verdict, estimate};
 use cranny_exact::{DVec3, Interval, Pose};
@@ -16,6 +19,19 @@ use crate::crew::Crew;
 /// Tests of a share. Fewer: an estimate spends as much on beginning (two tests of the faces that
 /// were nearest, a few of points) as on going on. More: a small budget serves fewer pairs a step.
 const LEAST_SHARE: u64 = 32;
+
+/// Steps that a pair waits while others need tests more urgently. Fewer: open verdicts go short of
+/// tests more often. More: the distance of a pair stays as wide for longer, at 100 steps a second
+/// for a sixth of one.
+const LONGEST_WAIT: u64 = 16;
+
+/// Of a step's budget, this part goes to those that have waited longer. Less, that is a larger
+/// number: of many of them, each waits longer still. More: they leave little to open verdicts.
+const OVERDUE_PART: u64 = 4;
+
+/// Rounds in which a budget is shared. Fewer: some of it is left where pairs take little of their
+/// shares. More: every round costs time without a test, and the last ones serve few.
+const MOST_ROUNDS: u32 = 32;
 
 /// An interval whose width is this share of the coordinates, or less, has closed: what is left of
 /// it is rounding. Smaller: tests go to faces that are equally near, as those of parallel planes.
@@ -59,11 +75,19 @@ impl PairEstimate {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PairState {
     pub(crate) memory: EstimateMemory,
+    /// Of a pair that is estimated: boxed, since most pairs are answered at once.
+    kept: Option<Box<Kept>>,
+}
+
+/// What is kept of an estimate.
+#[derive(Clone, Debug)]
+struct Kept {
     /// The latest estimate, and what it is an estimate of.
-    last: Option<(Asked, PairEstimate)>,
-    /// Steps since tests were left for it, though it was not settled.
+    asked: Asked,
+    last: PairEstimate,
+    /// Steps since it got on, though it was not settled.
     waited: u64,
-    /// The least share that gets it on, where that is more than [`LEAST_SHARE`].
+    /// The share below which it does not get on; 0 where it is settled.
     least: u64,
 }
 
@@ -81,8 +105,14 @@ pub(crate) struct Refinement<'w> {
     pub(crate) found: Option<PairEstimate>,
     /// What may be spent next; `None`: all that it takes.
     share: Option<u64>,
-    /// No share moves it.
-    stuck: bool,
+    /// Steps before this one since it got on.
+    waited: u64,
+    /// The share below which it does not get on.
+    least: u64,
+    /// Whether nothing has changed since the last step that an estimate depends on.
+    is_still: bool,
+    /// Whether it had a share that gets it on.
+    is_served: bool,
 }
 
 /// What a pair needs most, the most urgent first.
@@ -101,7 +131,25 @@ impl<'w> Refinement<'w> {
         accuracy: Accuracy,
         state: PairState,
     ) -> Self {
-        Self { pair, bodies, query, accuracy, state, found: None, share: None, stuck: false }
+        let kept = state.kept.as_deref();
+        let waited = kept.map_or(0, |kept| kept.waited);
+        let mut new = Self {
+            pair,
+            bodies,
+            query,
+            accuracy,
+            found: None,
+            share: None,
+            waited,
+            least: 0,
+            is_still: false,
+            is_served: false,
+            state,
+        };
+        if let Some(kept) = new.state.kept.as_deref().filter(|kept| kept.asked == new.asked()) {
+            (new.least, new.is_still) = (kept.least, true);
+        }
+        new
     }
 
     fn asked(&self) -> Asked {
@@ -110,9 +158,9 @@ impl<'w> Refinement<'w> {
 
     /// Takes the last estimate where nothing has changed that it depends on.
     fn recall(&mut self) -> bool {
-        let asked = self.asked();
-        let known = self.state.last.as_ref().filter(|(of, last)| *of == asked && last.is_settled);
-        self.found = known.map(|(_, last)| PairEstimate { tests: 0, ..*last });
+        let kept = self.state.kept.as_deref().filter(|_| self.is_still);
+        let settled = kept.map(|kept| kept.last).filter(|last| last.is_settled);
+        self.found = settled.map(|last| PairEstimate { tests: 0, ..last });
         self.found.is_some()
     }
 
@@ -125,11 +173,9 @@ impl<'w> Refinement<'w> {
         let points = found.witnesses.map(|pair| pair.map(|witness| witness.point));
         let before = self.found.and_then(|before| before.points);
         let tests = self.tests() + found.tests();
-        self.state.least = match self.share {
-            // A step of an estimate may take more than a share, as a point for each component does.
-            Some(share) if found.ended_by_budget && 2 * found.tests() < share => 2 * share,
-            _ => 0,
-        };
+        let had = self.share.unwrap_or(u64::MAX);
+        self.is_served |= had > 0 && had >= self.least;
+        self.least = self.next_least(had, found.needed_to_go_on);
         let mut now = PairEstimate {
             a: self.pair.0,
             b: self.pair.1,
@@ -143,6 +189,19 @@ impl<'w> Refinement<'w> {
         now.is_settled |= self.is_answered(&now);
         self.found = Some(now);
         Ok(())
+    }
+
+    /// The share that gets it on next, where it had one and an estimate says what it needs.
+    fn next_least(&self, had: u64, needed: u64) -> u64 {
+        match had {
+            // What it needed before, it needs as long as it is still.
+            0 => needed.max(self.least),
+            // It had what seemed to be enough, and was not: it does not creep up to what is.
+            _ if self.least > 0 && had >= self.least && needed > had => {
+                needed.max(self.least.saturating_mul(2))
+            }
+            _ => needed,
+        }
     }
 
     /// Tests made in this step so far.
@@ -176,7 +235,7 @@ impl<'w> Refinement<'w> {
 
     /// What it needs, and how much of it; `None` where more tests bring nothing.
     fn need(&self) -> Option<(Need, f64)> {
-        let found = self.found.as_ref().filter(|found| !found.is_settled && !self.stuck)?;
+        let found = self.found.as_ref().filter(|found| !found.is_settled)?;
         let Interval { lo, hi } = found.separation;
         let within = self.within().unwrap_or(f64::INFINITY);
         Some(match found.verdict {
@@ -186,11 +245,17 @@ impl<'w> Refinement<'w> {
         })
     }
 
+    /// Whether it gets on with a share of what is left, or may overdraw.
+    fn may_be_served(&self, left: Left) -> bool {
+        self.least <= left.tests || left.is_whole && self.is_still
+    }
+
     /// What is left for the next step, and what is known in this one.
     pub(crate) fn finish(mut self) -> (PairState, Option<PairEstimate>) {
-        self.state.last = self.found.map(|found| (self.asked(), found));
-        let is_served = self.found.is_none_or(|found| found.is_settled || found.tests > 0);
-        self.state.waited = if is_served { 0 } else { self.state.waited + 1 };
+        self.state.kept = self.found.map(|last| {
+            let waited = if last.is_settled || self.is_served { 0 } else { self.waited + 1 };
+            Box::new(Kept { asked: self.asked(), last, waited, least: self.least })
+        });
         (self.state, self.found)
     }
 }
@@ -225,6 +290,14 @@ fn spend(pairs: &mut [&mut Refinement<'_>], crew: &Crew) -> Result<(), QueryErro
     crew.each(pairs, |pair| pair.spend()).into_iter().collect()
 }
 
+/// What is left of a budget.
+#[derive(Clone, Copy)]
+struct Left {
+    tests: u64,
+    /// Nobody had any.
+    is_whole: bool,
+}
+
 /// Shares a budget among pairs. Shares are fixed before anybody spends them, so it does not matter
 /// how many threads do.
 fn share_out(
@@ -232,62 +305,85 @@ fn share_out(
     budget: u64,
     crew: &Crew,
 ) -> Result<(), QueryError> {
-    let mut left = budget;
-    // Where no share got anybody on, the first pair gets all that is left.
-    let mut whole = false;
-    while left >= LEAST_SHARE.min(budget).max(1) {
+    let mut left = Left { tests: budget, is_whole: true };
+    for round in 0..MOST_ROUNDS {
+        if left.tests < LEAST_SHARE.min(budget).max(1) {
+            break;
+        }
         pairs.iter_mut().for_each(|pair| pair.share = None);
-        let Some(first) = allot(&mut pairs, left, whole) else { break };
+        let is_anybody = match round {
+            0 => allot_overdue(&mut pairs, left),
+            _ => allot_urgent(&mut pairs, left),
+        };
+        match (is_anybody, round) {
+            (true, _) => {}
+            (false, 0) => continue,
+            (false, _) => break,
+        }
         let mut served: Vec<&mut Refinement<'_>> =
             pairs.iter_mut().map(|pair| &mut **pair).filter(|pair| pair.share.is_some()).collect();
         let before: u64 = served.iter().map(|pair| pair.tests()).sum();
         spend(&mut served, crew)?;
         let spent = served.iter().map(|pair| pair.tests()).sum::<u64>() - before;
-        left = left.saturating_sub(spent);
-        if spent == 0 && whole {
-            pairs[first].stuck = true;
-        }
-        whole = spent == 0;
+        left = Left { tests: left.tests.saturating_sub(spent), is_whole: false };
     }
     Ok(())
 }
 
-/// Allots what is left among those that need it most urgently, or all of it to the first of them,
-/// whose index it returns; `None` where nobody needs anything.
-fn allot(pairs: &mut [&mut Refinement<'_>], left: u64, whole: bool) -> Option<usize> {
-    let wanting = most_urgent(pairs);
-    let all: f64 = wanting.iter().map(|(_, weight)| weight).sum();
-    let mut unshared = left;
-    for &(index, weight) in &wanting {
-        let fair = (left as f64 * (weight / all)) as u64;
-        let least = pairs[index].state.least.max(LEAST_SHARE);
-        let share = if whole { unshared } else { fair.max(least).min(unshared) };
-        if share == 0 {
-            break;
+/// Allots least shares to those that have waited too long, out of a part of what is left, but one
+/// at least; returns whether anybody got one.
+fn allot_overdue(pairs: &mut [&mut Refinement<'_>], left: Left) -> bool {
+    let is_overdue = |pair: &Refinement| pair.waited > LONGEST_WAIT;
+    let wanting = by_wait(pairs, |pair| is_overdue(pair) && pair.may_be_served(left));
+    let most = left.tests / OVERDUE_PART;
+    let mut given = 0;
+    for (index, ..) in wanting {
+        let share = pairs[index].least.max(LEAST_SHARE.min(left.tests));
+        if given == 0 || given + share <= most {
+            pairs[index].share = Some(share);
+            given += share;
         }
-        unshared -= share;
-        pairs[index].share = Some(share);
     }
-    wanting.first().map(|&(index, _)| index)
+    given > 0
 }
 
-/// The pairs that need most urgently what they need, by index, with their weights: those that have
-/// waited longest first, then the widest.
-fn most_urgent(pairs: &[&mut Refinement<'_>]) -> Vec<(usize, f64)> {
-    let needs: Vec<(usize, Need, f64)> = pairs
-        .iter()
-        .enumerate()
-        .filter_map(|(index, pair)| pair.need().map(|(need, weight)| (index, need, weight)))
-        .collect();
-    let Some(urgent) = needs.iter().map(|&(_, need, _)| need).min() else { return Vec::new() };
-    let mut wanting: Vec<(usize, f64)> = needs
-        .into_iter()
-        .filter(|&(_, need, _)| need == urgent)
-        .map(|(index, _, weight)| (index, weight.max(f64::MIN_POSITIVE)))
-        .collect();
-    wanting.sort_by(|(i, v), (j, w)| {
-        let waited = |index: usize| pairs[index].state.waited;
-        waited(*j).cmp(&waited(*i)).then(w.total_cmp(v)).then(i.cmp(j))
+/// Allots what is left among those that need it most urgently; returns whether anybody needs any.
+fn allot_urgent(pairs: &mut [&mut Refinement<'_>], left: Left) -> bool {
+    let mut wanting = by_wait(pairs, |pair| pair.may_be_served(left));
+    let urgent = wanting.iter().map(|&(_, need, _)| need).min();
+    wanting.retain(|&(_, need, _)| Some(need) == urgent);
+    let all: f64 = wanting.iter().map(|&(_, _, weight)| weight).sum();
+    let mut unshared = left.tests;
+    for (index, _, weight) in wanting {
+        let pair = &mut pairs[index];
+        let fair = (left.tests as f64 * (weight / all)) as u64;
+        if pair.least <= unshared && unshared > 0 {
+            let share = fair.max(pair.least).max(LEAST_SHARE).min(unshared);
+            unshared -= share;
+            pair.share = Some(share);
+        } else if unshared == left.tests {
+            // It has all, and overdraws: less would not get it on in any step.
+            pair.share = Some(pair.least);
+            unshared = 0;
+        }
+    }
+    unshared < left.tests
+}
+
+/// Pairs that need something, by index, with what, and how much of it: those that have waited
+/// longest first, then the most urgent, then the widest.
+fn by_wait(
+    pairs: &[&mut Refinement<'_>],
+    is_meant: impl Fn(&Refinement<'_>) -> bool,
+) -> Vec<(usize, Need, f64)> {
+    let meant = pairs.iter().enumerate().filter(|(_, pair)| is_meant(pair));
+    let needs = meant.filter_map(|(index, pair)| {
+        pair.need().map(|(need, weight)| (index, need, weight.max(f64::MIN_POSITIVE)))
     });
-    wanting
+    let mut needs: Vec<(usize, Need, f64)> = needs.collect();
+    needs.sort_by(|(i, need, v), (j, other, w)| {
+        let waited = pairs[*j].waited.cmp(&pairs[*i].waited);
+        waited.then(need.cmp(other)).then(w.total_cmp(v)).then(i.cmp(j))
+    });
+    needs
 }

@@ -19,8 +19,9 @@
 //! - **No level and no budget misses what exact answers find**: triggers and distances may be known
 //!   at a level, or within a number of tests a step ([`World::set_accuracy`],
 //!   [`World::set_budget`]); what is open then counts as touching ([`PairEstimate`]).
-//! - **Memory changes no answer**, and whoever doubts it can have every step checked:
-//!   [`World::set_verification`]. Within a budget it says how much is left open.
+//! - **Memory changes no answer**, and whoever doubts it can have every answer checked:
+//!   [`World::set_verification`]. Within a budget it says how much is left open; estimates are not
+//!   checked.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises

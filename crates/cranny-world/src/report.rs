@@ -25,7 +25,8 @@ pub struct StepReport {
     /// Counts and sums.
     pub stats: StepStats,
     /// Where memory changed an answer, sorted by body ids: faults of Cranny's. Always empty unless
-    /// [`World::set_verification`](crate::World::set_verification) asks for a comparison.
+    /// [`World::set_verification`](crate::World::set_verification) asks for a comparison. Estimates
+    /// are not compared: a pair of `estimates` is never here.
     pub mismatches: Vec<PairMismatch>,
 }
 

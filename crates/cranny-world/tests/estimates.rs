@@ -1,7 +1,7 @@
 //! Levels and budgets of a world: nothing that exact answers find is excluded, the budget goes to
 //! where it buys most, and what stands still becomes exact.
 
-use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_exact::{DQuat, DVec3, Interval, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_shapes::{Cuboid, Cup, Hook, LPrism, Sphere, Torus};
 use cranny_testkit::shape;
@@ -104,31 +104,44 @@ proptest! {
         for effects in [vec![Effect::TRIGGER], vec![Effect::TRIGGER, near]] {
             let mut exact = world(&effects, Accuracy::Exact, None);
             let budgets = [None, Some(0), Some(7), Some(150), Some(1_500)];
-            let mut worlds: Vec<(World, Accuracy, Option<u64>)> = LEVELS
+            let mut worlds: Vec<(World, Accuracy, Option<u64>, usize)> = LEVELS
                 .iter()
                 .flat_map(|&level| budgets.map(|budget| (level, budget)))
                 .filter(|&(level, budget)| level != Accuracy::Exact || budget.is_some())
-                .map(|(level, budget)| (world(&effects, level, budget), level, budget))
+                .map(|(level, budget)| (world(&effects, level, budget), level, budget, 0))
                 .collect();
             for step in 0..24 {
                 put(&mut exact, step, seed);
                 let expected = exact.step().unwrap();
                 prop_assert!(expected.estimates.is_empty());
-                for (world, level, budget) in &mut worlds {
+                for (world, level, budget, decided) in &mut worlds {
                     put(world, step, seed);
                     let found = world.step().unwrap();
                     world.validate().unwrap();
                     let what = format!("step {step}, {level} within {budget:?}");
                     check(&expected, &found, &what);
-                    let EstimateStats { tests, unsettled, .. } = found.stats.estimates;
+                    let EstimateStats { tests, unsettled, pairs, open } = found.stats.estimates;
+                    *decided += pairs - open;
+                    let is_at_rest = step % 12 == 0 || step % 12 > 8;
                     match budget {
                         None => prop_assert_eq!(unsettled, 0, "{}", &what),
+                        // One step of a pair that stands still overdraws it.
+                        Some(budget) if is_at_rest && *budget > 0 => {
+                            prop_assert!(tests <= 2 * *budget + 400, "{}: {}", &what, tests);
+                        }
                         // A walk is not interrupted.
                         Some(budget) if matches!(level, Accuracy::Hulls | Accuracy::Caps) => {
                             prop_assert!(tests <= 2 * *budget + 400, "{}: {}", &what, tests);
                         }
                         Some(budget) => prop_assert!(tests <= *budget, "{}: {}", &what, tests),
                     }
+                }
+            }
+            // What is never decided would pass all of the above.
+            for (_, level, budget, decided) in &worlds {
+                let is_fine = matches!(level, Accuracy::Caps | Accuracy::Tree(6) | Accuracy::Exact);
+                if is_fine && budget.is_none_or(|budget| budget >= 1_500) {
+                    prop_assert!(*decided > 0, "{} within {:?} decides nothing", level, budget);
                 }
             }
         }
@@ -297,10 +310,8 @@ fn pairs_that_wait_longest_come_first() {
     panic!("not all are exact after {steps} steps: {served:?}");
 }
 
-/// Whether a body of many pieces holds another one takes a point of each piece, at once: more than
-/// a share, and the pair gets it all the same.
-#[test]
-fn a_body_of_many_pieces_gets_a_share_that_suffices() {
+/// 80 cubes in one mesh: whether another body holds them takes a point of each, at once.
+fn pieces() -> Model {
     let cubes = (0..80).map(|i| {
         let [x, y] = [i % 9, i / 9].map(|k| f64::from(k) * 0.4 - 1.6);
         cranny_testkit::bodies::cuboid([x, y, -0.1], [x + 0.2, y + 0.2, 0.1])
@@ -311,7 +322,13 @@ fn a_body_of_many_pieces_gets_a_share_that_suffices() {
         vertices.extend_from_slice(cube.vertices());
         faces.extend(cube.faces().iter().map(|face| face.map(|v| v + first)));
     }
-    let pieces = cranny_testkit::model(Mesh::new(vertices, faces).unwrap());
+    cranny_testkit::model(Mesh::new(vertices, faces).unwrap())
+}
+
+/// More than a share, and the pair gets it all the same.
+#[test]
+fn a_body_of_many_pieces_gets_a_share_that_suffices() {
+    let pieces = pieces();
     let mut world = estimating(&[Effect::TRIGGER], 128);
     let large = shape(Cuboid { size: [20.0; 3] });
     world.insert(BodySpec::new("large", large)).unwrap();
@@ -325,6 +342,74 @@ fn a_body_of_many_pieces_gets_a_share_that_suffices() {
     let inside = report.estimates.iter().filter(|pair| pair.a == BodyId(0));
     assert!(known.is_some() && inside.clone().count() == 3, "{known:?} {report:?}");
     assert!(inside.clone().all(|pair| pair.verdict == Verdict::Certain), "{report:?}");
+}
+
+/// A step that takes more than the whole budget is made once the pair stands still, and a distance
+/// beside it is narrowed meanwhile.
+#[test]
+fn a_budget_below_one_step_decides_in_the_end() {
+    let pieces = pieces();
+    for budget in [1, 3, 64] {
+        let mut world = estimating(&[Effect::TRIGGER, Effect::proximity(WITHIN)], budget);
+        let held = [
+            BodySpec::new("large", shape(Cuboid { size: [20.0; 3] })),
+            BodySpec::new("pieces", pieces.clone()),
+        ];
+        let held = held.map(|spec| world.insert(spec).unwrap());
+        let rings = linked(&mut world, "ring", DVec3::X * 30.0);
+        let mut served = [0; 2];
+        let mut overdrawn = 0;
+        let decided = (0..100).find(|_| {
+            let report = world.step().unwrap();
+            let known = [held, rings].map(|[a, b]| *report.estimate(a, b).unwrap());
+            let tests = report.stats.estimates.tests;
+            overdrawn += u64::from(tests > budget);
+            assert!(tests <= budget.max(400), "one step of one pair: {tests}");
+            for (served, found) in served.iter_mut().zip(&known) {
+                *served += u64::from(found.tests > 0);
+            }
+            known.iter().all(|found| found.verdict != Verdict::Open)
+        });
+        assert!(decided.is_some() && overdrawn > 0, "{budget}: {served:?}");
+        let width = |report: &StepReport| {
+            let Interval { lo, hi } = report.estimate(rings[0], rings[1]).unwrap().separation;
+            hi - lo
+        };
+        let before = width(&world.step().unwrap());
+        let after = (0..200).map(|_| width(&world.step().unwrap())).last().unwrap();
+        assert!(after < before, "{budget}: {before} {after}");
+    }
+}
+
+/// The pieces are in motion within a budget that never decides them: they may not keep a pair that
+/// stands still from its distance.
+#[test]
+fn a_distance_is_narrowed_beside_open_verdicts() {
+    let effects = [Effect::TRIGGER, Effect::proximity(WITHIN)];
+    let mut world = estimating(&effects, 64);
+    let ring = shape(Torus { major_segments: 48, minor_segments: 24, ..Torus::default() });
+    let mut insert = |i: u32, model: &Model, pose: Pose| {
+        let spec = BodySpec::new(i.to_string(), model.clone());
+        world.insert(BodySpec { pose, ..spec }).unwrap()
+    };
+    let movers = [0, 1].map(|i| insert(i, &ring, Pose::at(DVec3::X * f64::from(i) * 0.01)));
+    let still = linked(&mut world, "ring", DVec3::X * 30.0);
+    let mut seen = Vec::new();
+    for step in 0..200 {
+        let turned = DQuat::from_rotation_x(f64::from(step) * 0.4 + 0.3);
+        let at = DVec3::new(1.0, 0.1 * f64::from(step % 7), 0.0);
+        world.set_pose(movers[1], Pose { translation: at, rotation: turned }).unwrap();
+        let report = world.step().unwrap();
+        assert!(report.stats.estimates.tests <= 64 + 400);
+        let open = report.estimate(movers[0], movers[1]).unwrap();
+        let found = report.estimate(still[0], still[1]).unwrap();
+        seen.push((open.verdict, found.tests, found.separation.hi - found.separation.lo));
+    }
+    let open = seen.iter().filter(|(verdict, ..)| *verdict == Verdict::Open).count();
+    assert!(open > 150, "the movers stay open: {open}");
+    let rests: Vec<usize> = seen.split(|&(_, tests, _)| tests > 0).map(<[_]>::len).collect();
+    assert!(rests.iter().all(|&rest| rest <= 20), "{rests:?}");
+    assert!(seen[199].2 < seen[0].2, "{seen:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use cranny_record::Recording;
+use cranny_record::{Recording, StatsMessage};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -294,6 +294,10 @@ fn a_recording_says_at_which_level_it_was_made() {
     let events: Vec<_> = opened.events().unwrap().into_iter().flat_map(|(_, e)| e.events).collect();
     assert!(events.iter().any(|event| event.kind == "began" && event.open), "{events:?}");
     assert!(events.iter().all(|event| event.kind == "began" || !event.open), "{events:?}");
+    let stats = opened.stats().unwrap();
+    let count = |of: fn(&StatsMessage) -> bool| stats.iter().filter(|(_, stats)| of(stats)).count();
+    assert!(count(|stats| stats.estimated_pairs > 0 && stats.estimate_tests > 0) > 0);
+    assert!(count(|stats| stats.open_pairs > 0) > 0);
     let text = String::from_utf8(cranny(&["replay", &recording]).stdout).unwrap();
     assert!(text.contains("hulls, 500 tests a step: they depend on what"), "{text}");
     let line = summary(&cranny(&["replay", &recording, "--format", "json"]));

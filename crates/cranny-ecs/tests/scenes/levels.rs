@@ -1,5 +1,6 @@
 //! Levels and budgets: what messages and reports say at them, and what is refused.
 
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 
 use cranny_ecs::*;
@@ -190,6 +191,60 @@ fn components_state_levels() {
     assert_eq!(level(&mut app), None);
 }
 
+/// A scene that is spawned into an app has its pairs at their levels, not at the scene's.
+#[test]
+fn a_spawned_scene_keeps_the_levels_of_its_pairs() {
+    for (effects, known) in [([Effect::TRIGGER], None), ([NEAR], None)] {
+        for (of_pair, expected) in [
+            (Some(Accuracy::Exact), known),
+            (Some(Accuracy::Caps), Some(Accuracy::Caps)),
+            (None, Some(Accuracy::Hulls)),
+            // The scene's is the more exact one.
+            (Some(Accuracy::Boxes), Some(Accuracy::Hulls)),
+        ] {
+            let mut described = gate(&effects);
+            described.bodies[1].pose.translation = DVec3::new(0.9, 0.0, 0.0);
+            described.bodies[1].linear_velocity = DVec3::ZERO;
+            described.accuracy = Accuracy::Hulls;
+            described.pairs = vec![pair(&[], of_pair)];
+            let mut app = plugged(&effects);
+            SpawnScene::new(&described).unwrap().spawn(world(&mut app));
+            steps(&mut app, 1);
+            let report = report(&app);
+            assert_eq!(report.answers.len() + report.estimates.len(), 1, "{of_pair:?}");
+            let level = report.estimates.first().map(|estimate| estimate.accuracy);
+            assert_eq!(level, expected, "{of_pair:?} in a scene of hulls");
+        }
+    }
+}
+
+/// An app without bodies that asks for effects at the level of boxes.
+fn plugged(effects: &[Effect]) -> SceneApp {
+    let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
+    let options = RunOptions { plugins, ..RunOptions::default() };
+    let mut never = crate::build::scene(Vec::new(), effects);
+    never.duration = 100.0;
+    never.effects = effects.iter().map(|effect| effect.stating(Some(Accuracy::Boxes))).collect();
+    SceneApp::new(&never, &options).unwrap()
+}
+
+/// Runs of other answers have other hashes; what is the default says nothing.
+#[test]
+fn the_hash_of_a_scene_knows_levels_and_budgets() {
+    let hash = |options: &RunOptions| {
+        let mut app = SceneApp::new(&gate(&[Effect::TRIGGER]), options).unwrap();
+        steps(&mut app, 1);
+        app.finish().unwrap().scene_hash
+    };
+    let budget = |budget| RunOptions { budget: Some(budget), ..RunOptions::default() };
+    let exact = hash(&RunOptions::default());
+    assert_eq!([hash(&at(Accuracy::Exact)), hash(&budget(None))], [exact.clone(), exact.clone()]);
+    let others = [at(Accuracy::Hulls), at(Accuracy::Tree(3)), at(Accuracy::Tree(4))];
+    let others = others.into_iter().chain([budget(Some(5)), budget(Some(6))]);
+    let hashes: BTreeSet<String> = others.map(|options| hash(&options)).chain([exact]).collect();
+    assert_eq!(hashes.len(), 6);
+}
+
 #[test]
 fn what_would_change_nothing_is_refused_by_name() {
     let refused = |change: fn(&mut SceneDescription), effects: &[Effect]| {
@@ -302,8 +357,8 @@ fn no_level_excludes_what_exact_finds_in_recorded_motions() {
         ("triggers_only.ron", 2.0, 6),
         ("budgeted_triggers.ron", 1.5, 10),
     ] {
-        let (touched, open) = recorded::compare(name, seconds, every);
-        assert!(open > 0, "{name}: {touched} touched, {open} were open");
+        let (touched, open, decided) = recorded::compare(name, seconds, every);
+        assert!(open > 0 && decided > 0, "{name}: {touched} touched, {open} open, {decided} not");
         scenes_that_touch += usize::from(touched > 0);
     }
     assert!(scenes_that_touch >= 5, "{scenes_that_touch}");
@@ -311,6 +366,7 @@ fn no_level_excludes_what_exact_finds_in_recorded_motions() {
 
 #[cfg(all(feature = "rapier", feature = "scene"))]
 mod recorded {
+    use std::ops::Range;
     use std::path::PathBuf;
 
     use bevy_transform::components::Transform;
@@ -331,17 +387,21 @@ mod recorded {
         (Accuracy::Exact, Some(2_000)),
     ];
 
-    /// Follows a scene's motion; returns how many pairs touched, and how many were open.
-    pub(super) fn compare(name: &str, seconds: f64, every: usize) -> (usize, usize) {
+    /// A stretch in which memory goes on from step to step.
+    const EVERY_STEP: Range<usize> = 20..32;
+
+    /// Follows a scene's motion; returns how many pairs touched, how many were open, and how many
+    /// were decided.
+    pub(super) fn compare(name: &str, seconds: f64, every: usize) -> (usize, usize, usize) {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes").join(name);
         let scene = load_scene(&path).unwrap().description;
         let options = RunOptions { duration: Some(seconds), ..RunOptions::default() };
         let mut app = SceneApp::new(&scene, &options).unwrap();
         let mut exact = world(&app, Accuracy::Exact, None);
         let mut worlds = LEVELS.map(|(level, budget)| world(&app, level, budget));
-        let (mut touched, mut open) = (0, 0);
+        let (mut touched, mut open, mut decided) = (0, 0, 0);
         for step in 0.. {
-            if step % every == 0 {
+            if step % every == 0 || EVERY_STEP.contains(&step) {
                 let poses = poses(&app);
                 let put = |world: &mut World| {
                     poses.iter().for_each(|&(id, pose)| world.set_pose(id, pose).unwrap());
@@ -352,6 +412,7 @@ mod recorded {
                 for (world, (level, budget)) in worlds.iter_mut().zip(LEVELS) {
                     let found = put(world);
                     open += found.stats.estimates.open;
+                    decided += found.stats.estimates.pairs - found.stats.estimates.open;
                     let what = format!("{name}, step {step}, {level} within {budget:?}");
                     for answer in &truth.answers {
                         let estimate = found.estimate(answer.a, answer.b).expect(&what);
@@ -364,10 +425,10 @@ mod recorded {
                 }
             }
             if !app.step().unwrap() {
-                return (touched, open);
+                return (touched, open, decided);
             }
         }
-        (touched, open)
+        (touched, open, decided)
     }
 
     fn world(app: &SceneApp, accuracy: Accuracy, budget: Option<u64>) -> World {
