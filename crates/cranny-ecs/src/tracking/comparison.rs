@@ -139,7 +139,7 @@ pub(super) fn compare(
 }
 
 /// A body at its true pose, and at the one that arrived last.
-struct Seen<'a> {
+struct BothPoses<'a> {
     id: BodyId,
     record: &'a BodyRecord,
     poses: [Pose; 2],
@@ -165,7 +165,7 @@ impl Present<'_, '_> {
                 continue;
             }
             let Some(record) = self.bodies.get(other.id) else { continue };
-            let still = Seen { id: other.id, record, poses: [pose_of(at); 2] };
+            let still = BothPoses { id: other.id, record, poses: [pose_of(at); 2] };
             let seen = partner.and_then(|partner| self.tracked(partner)).unwrap_or(still);
             let compared = kept.others.entry(other.id).or_default();
             let devices = [Some(own), partner].into_iter().flatten();
@@ -175,10 +175,10 @@ impl Present<'_, '_> {
         Ok(())
     }
 
-    fn tracked(&self, (body, device, _, transform): Tracked) -> Option<Seen<'_>> {
+    fn tracked(&self, (body, device, _, transform): Tracked) -> Option<BothPoses<'_>> {
         let raw = device.arrived().unwrap_or_else(|| pose_of(transform));
         let poses = [device.truth(self.time.seconds()), raw];
-        self.bodies.get(body.id).map(|record| Seen { id: body.id, record, poses })
+        self.bodies.get(body.id).map(|record| BothPoses { id: body.id, record, poses })
     }
 
     /// How old poses of a pair are, and how long a contact has to be deep to be seen.
@@ -218,7 +218,7 @@ impl Present<'_, '_> {
     fn note(
         &self,
         compared: &mut Compared,
-        pair: [&Seen; 2],
+        pair: [&BothPoses; 2],
         tolerance: f64,
     ) -> Result<(), WorldError> {
         let deep = 2.0 * tolerance;
@@ -238,7 +238,7 @@ impl Present<'_, '_> {
 
 /// The answer at the poses of one kind; `None` where the bodies are too far apart to touch.
 fn answer(
-    pair: [&Seen; 2],
+    pair: [&BothPoses; 2],
     kind: usize,
     demand: Demand,
     memory: &mut PairMemory,
