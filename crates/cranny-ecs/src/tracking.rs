@@ -149,8 +149,8 @@ impl Evidence<'_, '_> {
     }
 }
 
-/// Whether the surfaces are within a tolerance of each other, or cross. Contacts alone say so, which
-/// `Tracking` has computed: regions are there only where somebody reads them.
+/// Whether the surfaces are within a tolerance of each other, or cross. Contacts alone say so,
+/// which `Tracking` has computed: regions are there only where somebody reads them.
 fn is_near(answer: &Answer, tolerance: f64) -> bool {
     answer.contacts.iter().any(|contact| contact.separation <= tolerance)
 }

@@ -114,7 +114,7 @@ impl SimulatedTracker {
 fn misplaced(pose: &Pose, error: f64, share: f64, [shift, axis]: [DVec3; 2], reach: f64) -> Pose {
     let (shift, turn) = (error * share * shift, error * (1.0 - share));
     // A rotation by an angle moves a point by less than the angle times its distance, and that of
-    // `1 + angle / 2` is by less than the angle. It needs no trigonometry, which machines differ in.
+    // `1 + angle / 2` is by less than the angle. It needs no trigonometry.
     let half = if reach > 0.0 { 0.5 * turn / reach * axis } else { DVec3::ZERO };
     let turned = DQuat::from_xyzw(half.x, half.y, half.z, 1.0) * pose.rotation;
     let rotation = turned * (1.0 / turned.length());
