@@ -129,8 +129,8 @@ impl Plugin for DetectionPlugin {
         });
         app.init_resource::<Detected>();
         app.add_observer(take_in).add_observer(forget_removed);
+        app.world_mut().resource_mut::<Tally>().depths_known = self.contacts || self.penetration;
         if self.contacts {
-            app.world_mut().resource_mut::<Tally>().depths_known = true;
             let counted = !self.beside_solver;
             let summary = ContactFields { depth: Some(0.0), points: counted, regions: false };
             let mut readers = ContactReaders::default();

@@ -83,11 +83,19 @@ pub enum SceneAppError {
         /// Which body.
         body: String,
     },
-    /// A tracker in a scene in which no contact is filtered.
+    /// A tracker of a body none of whose contacts is filtered.
     #[error(
-        "body '{body}' has a tracker, but no effect Tracking says how precise it is: name Tracking(tolerance: …) in its effects, or leave the tracker out"
+        "body '{body}' has a tracker, but none of its pairs has both Trigger and Tracking: name Trigger and Tracking(tolerance: …) in its effects beside another body, or leave the tracker out"
     )]
     TrackerAlone {
+        /// Which body.
+        body: String,
+    },
+    /// `Tracking` where nothing triggers.
+    #[error(
+        "Tracking of body '{body}' is for none of its pairs, as none has Trigger: name Trigger in its effects too, or leave Tracking out"
+    )]
+    TrackingAlone {
         /// Which body.
         body: String,
     },

@@ -9,7 +9,7 @@ use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
 use cranny_geometry::{FaceId, Model};
 use cranny_world::ContactFields;
-use cranny_world::description::{Accuracy, BodyKind, Effect, SceneDescription};
+use cranny_world::description::{Accuracy, BodyDescription, BodyKind, Effect, SceneDescription};
 
 use crate::admission::{AdmissionPlugin, admit_bodies};
 use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
@@ -392,18 +392,43 @@ fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> 
 ///
 /// # Errors
 ///
-/// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`], or a
-/// tracker of a body that no effect `Tracking` is for.
+/// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`]; a
+/// tracker of a body, or `Tracking` of it, that is for none of its pairs.
 pub fn check_effects(scene: &SceneDescription) -> Result<(), SceneAppError> {
     let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
     let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
     let all = || scene.effects.iter().chain(of_bodies.clone()).chain(of_pairs.clone());
     go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))?;
-    let tracks = all().any(|effect| matches!(effect, Effect::Tracking { .. }));
-    match scene.bodies.iter().find(|body| body.tracker.is_some() && !tracks) {
-        Some(body) => Err(SceneAppError::TrackerAlone { body: body.name.clone() }),
-        None => check_levels(scene),
+    scene.bodies.iter().try_for_each(|body| check_tracking(scene, body))?;
+    check_levels(scene)
+}
+
+/// Whether what is said of a body's tracking is for one of its pairs at least.
+fn check_tracking(scene: &SceneDescription, body: &BodyDescription) -> Result<(), SceneAppError> {
+    let kinds = [EffectKind::Trigger, EffectKind::Tracking];
+    let named = |effects: &[Effect]| {
+        kinds.map(|kind| effects.iter().any(|effect| EffectKind::of(effect) == Some(kind)))
+    };
+    let join = |a: [bool; 2], b: [bool; 2]| [a[0] || b[0], a[1] || b[1]];
+    let [triggers, tracks] = named(&body.effects);
+    if body.tracker.is_none() && !tracks {
+        return Ok(());
     }
+    let own = join([triggers, tracks], named(&scene.effects));
+    let of_pair = |other: &BodyDescription| {
+        let is = |a: &str, b: &str| a == body.name && b == other.name;
+        let said = scene.pairs.iter().filter(|p| is(&p.a, &p.b) || is(&p.b, &p.a));
+        said.fold(join(own, named(&other.effects)), |all, pair| join(all, named(&pair.effects)))
+    };
+    let others = || scene.bodies.iter().filter(|other| other.name != body.name);
+    let applies = others().any(|other| of_pair(other) == [true; 2]);
+    let name = || body.name.clone();
+    if body.tracker.is_some() && !applies {
+        return Err(SceneAppError::TrackerAlone { body: name() });
+    }
+    // An app may spawn others beside a body that triggers by itself.
+    let refused = tracks && !applies && !own[0];
+    if refused { Err(SceneAppError::TrackingAlone { body: name() }) } else { Ok(()) }
 }
 
 /// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a

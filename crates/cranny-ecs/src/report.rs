@@ -182,8 +182,11 @@ fn tracking(world: &World) -> Vec<TrackingSummary> {
         contacts: seen.contacts,
         spurious: seen.spurious,
         repeated: seen.repeated,
+        late: seen.late,
         missed: seen.missed,
+        merged: seen.merged,
         latency_steps: seen.latency,
+        end_latency_steps: seen.end_latency,
     };
     let log = world.get_resource::<TrackingLog>().map(TrackingLog::bodies).unwrap_or_default();
     log.into_iter()
@@ -196,6 +199,7 @@ fn tracking(world: &World) -> Vec<TrackingSummary> {
             late: compared.poses.late,
             missing: compared.missing,
             lost: compared.poses.lost,
+            uncompared: compared.uncompared,
         })
         .collect()
 }

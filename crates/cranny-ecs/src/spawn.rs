@@ -268,7 +268,7 @@ fn check_trackers(scene: &SceneDescription) -> Result<(), SceneAppError> {
     for body in &scene.bodies {
         let Some(tracker) = &body.tracker else { continue };
         let refused = |why: String| SceneAppError::Tracker { body: body.name.clone(), why };
-        tracker.check().map_err(|why| refused(why.to_string()))?;
+        tracker.check(scene.step).map_err(|why| refused(why.to_string()))?;
         if body.path.is_none() {
             return Err(refused("a device sees the body on a path: give it one".to_owned()));
         }

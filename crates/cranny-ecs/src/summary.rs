@@ -172,6 +172,8 @@ pub struct TrackingSummary {
     pub missing: u64,
     /// How often it was lost.
     pub lost: u64,
+    /// Other bodies with which nothing is compared, since the solver moves them.
+    pub uncompared: usize,
 }
 
 /// Contacts beside those of the true motion.
@@ -183,10 +185,16 @@ pub struct TrackedSummary {
     pub spurious: usize,
     /// Of them those that are further parts of one true contact.
     pub repeated: usize,
+    /// Of them those that begin after the true contact has ended, by smoothing.
+    pub late: usize,
     /// True contacts deeper than twice the tolerance that are not among them.
     pub missed: usize,
+    /// Those as deep during which the contact of another true one goes on.
+    pub merged: usize,
     /// Steps from when a true contact is so deep until it is among them, at most.
     pub latency_steps: u64,
+    /// Steps from when a true contact ends until it does among them, at most.
+    pub end_latency_steps: u64,
 }
 
 /// A body that left the world.

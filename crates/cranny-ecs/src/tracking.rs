@@ -14,6 +14,7 @@
 mod comparison;
 mod device;
 mod filter;
+mod judged;
 mod tracker;
 
 use std::collections::BTreeSet;
@@ -25,8 +26,9 @@ use bevy_ecs::system::SystemParam;
 use cranny_narrow_phase::Answer;
 use cranny_world::{BodyId, PairAnswer};
 
-pub use self::comparison::{ComparedContacts, TrackedContacts, TrackingLog};
+pub use self::comparison::{ComparedContacts, TrackingLog};
 pub use self::device::{SimulatedTracker, SimulatedTrackersPlugin};
+pub use self::judged::TrackedContacts;
 pub use self::tracker::{PoseRefused, TrackedPose, Tracker, TrackerCounts};
 use crate::body::{Bodies, Body};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
@@ -121,11 +123,9 @@ impl Evidence<'_, '_> {
         if !self.effects.asks(EffectKind::Trigger, a, b) {
             return None;
         }
-        let near = separations(answer).any(|separation| separation <= tolerance);
-        let inside = answer.contained.is_some() && !near;
-        let certain = answer.depth() > tolerance || inside || self.presses(a, b);
+        let certain = is_beyond(answer, tolerance) || self.presses(a, b);
         Some(match before {
-            true => certain || near || answer.touches(),
+            true => certain || is_near(answer, tolerance) || answer.touches(),
             false => certain && !self.is_lost(a) && !self.is_lost(b),
         })
     }
@@ -149,11 +149,17 @@ impl Evidence<'_, '_> {
     }
 }
 
-/// How far apart the surfaces are where an answer says so, < 0 where they overlap: contacts, or
-/// regions where somebody reads those.
-fn separations(answer: &Answer) -> impl Iterator<Item = f64> {
-    let of_contacts = answer.contacts.iter().map(|contact| contact.separation);
-    of_contacts.chain(answer.regions.iter().map(|region| region.deepest.separation))
+/// Whether the surfaces are within a tolerance of each other, or cross. Contacts alone say so,
+/// which `Tracking` has computed: regions are there only where somebody reads them.
+fn is_near(answer: &Answer, tolerance: f64) -> bool {
+    answer.contacts.iter().any(|contact| contact.separation <= tolerance)
+}
+
+/// Whether bodies overlap by more than a tolerance, of which contacts up to it are known: one of
+/// them is deeper, or a body is within the other and farther from its surface.
+fn is_beyond(answer: &Answer, tolerance: f64) -> bool {
+    let deep = answer.contacts.iter().any(|contact| -contact.separation > tolerance);
+    deep || answer.contained.is_some() && !is_near(answer, tolerance)
 }
 
 fn decide(

@@ -476,3 +476,22 @@ fn a_path_that_is_none_is_refused_at_its_body() {
     let order = refused("Kinematic", "", "(time: 2), (time: 1)");
     assert!(order.contains("keyframe 1 is at 1 s, not after 2 s"), "{order}");
 }
+
+/// Of one noise two hands would keep their distance, and nothing would be tested.
+#[test]
+fn devices_of_two_bodies_err_each_on_its_own() {
+    let seeds = |scene: u64, own: &str| {
+        let body = |name| {
+            format!(
+                "(name: \"{name}\", shape: Generator(Cuboid()), kind: Kinematic, path: (keyframes: [(time: 0)]), tracker: (device: (rate: 100{own})))"
+            )
+        };
+        let text = format!("(seed: {scene}, bodies: [{}, {}])", body("left"), body("right"));
+        let bodies = parse(&text).unwrap().description.bodies;
+        [0, 1].map(|i: usize| bodies[i].tracker.unwrap().device.seed)
+    };
+    let (one, other) = (seeds(1, ""), seeds(2, ""));
+    assert_eq!(seeds(1, ""), one);
+    assert!(one[0] != one[1] && one[0] != other[0] && one[1] != other[1], "{one:?} {other:?}");
+    assert_eq!(seeds(1, ", seed: 7"), [7, 7], "as stated");
+}

@@ -283,16 +283,23 @@ fn more(lines: &mut Lines, heading: &'static str, what: &str, all: usize) {
 
 /// What tracking made of a body's contacts.
 fn add_tracking(lines: &mut Lines, tracked: &TrackingSummary) {
-    let TrackingSummary { body, truth, poses, late, missing, lost, .. } = tracked;
+    let TrackingSummary { body, truth, poses, late, missing, lost, uncompared, .. } = tracked;
     lines.add(
         "tracking",
         format!("{body} truly makes {truth} contacts; {poses} poses came, {late} of them too late, {missing} did not, {lost} times it was lost"),
     );
     for (poses, seen) in [("raw", &tracked.raw), ("filtered", &tracked.filtered)] {
-        let TrackedSummary { contacts, spurious, repeated, missed, latency_steps } = seen;
+        let TrackedSummary { contacts, spurious, repeated, late, missed, merged, .. } = seen;
+        let [begin, end] = [seen.latency_steps, seen.end_latency_steps];
         lines.add(
             "tracking",
-            format!("{poses} poses make {contacts}: {spurious} spurious, {repeated} repeated, {missed} missed, up to {latency_steps} steps late"),
+            format!("{poses} poses make {contacts}: {spurious} spurious, {repeated} repeated, {late} after the true one, {missed} missed, {merged} merged; they begin up to {begin} steps late and end up to {end}"),
+        );
+    }
+    if *uncompared > 0 {
+        lines.add(
+            "tracking",
+            format!("{uncompared} bodies are not compared: the solver moves them"),
         );
     }
 }

@@ -1,5 +1,5 @@
 //! A tracking device that is simulated: what it measures of a body on a path, and when that
-//! arrives. The same seed makes the same errors on every machine.
+//! arrives. The same seed makes the same errors.
 
 use std::sync::Arc;
 
@@ -113,9 +113,10 @@ impl SimulatedTracker {
 /// in place, the rest by turning.
 fn misplaced(pose: &Pose, error: f64, share: f64, [shift, axis]: [DVec3; 2], reach: f64) -> Pose {
     let (shift, turn) = (error * share * shift, error * (1.0 - share));
-    // A rotation by an angle moves a point by less than the angle times its distance.
-    let angle = if reach > 0.0 { turn / reach * axis } else { DVec3::ZERO };
-    let turned = DQuat::from_scaled_axis(angle) * pose.rotation;
+    // A rotation by an angle moves a point by less than the angle times its distance, and that of
+    // `1 + angle / 2` is by less than the angle. It needs no trigonometry.
+    let half = if reach > 0.0 { 0.5 * turn / reach * axis } else { DVec3::ZERO };
+    let turned = DQuat::from_xyzw(half.x, half.y, half.z, 1.0) * pose.rotation;
     let rotation = turned * (1.0 / turned.length());
     Pose { rotation, translation: pose.translation + shift }
 }

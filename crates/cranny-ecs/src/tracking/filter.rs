@@ -64,8 +64,8 @@ impl Filtered {
 
 /// How much of what is new a low pass lets through.
 fn share_of(cutoff: f64, passed: f64) -> f64 {
-    let turns = TAU * cutoff * passed;
-    turns / (1.0 + turns)
+    // So that a cutoff beyond all numbers lets all through.
+    1.0 / (1.0 + 1.0 / (TAU * cutoff * passed))
 }
 
 /// Of the two quaternions of a rotation the one on the side of another.

@@ -11,11 +11,12 @@ use cranny_exact::{DVec3, Pose};
 use cranny_shapes::{Cuboid, Cup};
 use cranny_world::Random;
 use cranny_world::description::{
-    BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, OneEuro, PathEnd,
-    SceneDescription, SimulatedDevice, TrackerDescription, TrackerSettings,
+    BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, OneEuro,
+    PairDescription, PathEnd, SceneDescription, SimulatedDevice, TrackerDescription,
+    TrackerSettings,
 };
 
-use crate::build::{cube, empty, messages, scene, steps, unit, up, world};
+use crate::build::{cube, empty, gate, messages, scene, steps, unit, up, world};
 
 /// Steps a second, and poses.
 const RATE: f64 = 240.0;
@@ -104,8 +105,11 @@ fn joined(a: TrackingSummary, b: TrackingSummary) -> TrackingSummary {
         contacts: a.contacts + b.contacts,
         spurious: a.spurious + b.spurious,
         repeated: a.repeated + b.repeated,
+        late: a.late + b.late,
         missed: a.missed + b.missed,
+        merged: a.merged + b.merged,
         latency_steps: a.latency_steps.max(b.latency_steps),
+        end_latency_steps: a.end_latency_steps.max(b.end_latency_steps),
     };
     TrackingSummary {
         body: a.body,
@@ -116,6 +120,7 @@ fn joined(a: TrackingSummary, b: TrackingSummary) -> TrackingSummary {
         late: a.late + b.late,
         missing: a.missing + b.missing,
         lost: a.lost + b.lost,
+        uncompared: a.uncompared + b.uncompared,
     }
 }
 
@@ -275,6 +280,96 @@ fn a_body_that_is_lost_begins_no_contact_and_keeps_its_own() {
     assert_eq!(show(&mut app, tracked, Some(0.5), 3), [true], "now somebody does");
 }
 
+/// Beside the cup's wall a second pen that is tracked too: where it really is counts, not where it
+/// is shown.
+#[test]
+fn two_that_are_tracked_are_compared_where_both_really_are() {
+    let settings = TrackerSettings::default();
+    let tracker = |seed| TrackerDescription { settings, device: shaky(seed) };
+    let mut scene = pen_and_cup(&above_rim(300.0), tracker(1), 2.0 * JITTER);
+    scene.bodies.remove(0);
+    let beside = |x: f64| {
+        let keys = above_rim(300.0).into_iter().map(|(time, mut pose)| {
+            pose.translation.x += x;
+            Keyframe { time, pose }
+        });
+        Arc::new(KeyframedPath::new(keys.collect(), Interpolation::Eased, PathEnd::Hold).unwrap())
+    };
+    let mut second = BodyDescription { name: "second".into(), ..scene.bodies[0].clone() };
+    (second.path, second.tracker) = (Some(beside(6.5)), Some(tracker(2)));
+    scene.bodies.push(second);
+    let both = run(&scene).tracking;
+    let [first, second] = both.as_slice() else { panic!("{both:?}") };
+    assert_eq!((first.truth, first.filtered.contacts), (0, 0), "{first:?}");
+    assert!(first.raw.spurious > 20 && first.raw.contacts == first.raw.spurious, "{first:?}");
+    assert_eq!((second.truth, second.raw.contacts), (0, 0), "a pair counts once: {second:?}");
+    scene.bodies[1].path = Some(beside(3.0));
+    let deep = &run(&scene).tracking[0];
+    assert_eq!((deep.truth, deep.filtered.contacts, deep.filtered.missed), (1, 0, 1), "{deep:?}");
+}
+
+/// Who reads what else changes no trigger: neither regions nor a recording of all.
+#[test]
+fn triggers_are_the_same_whoever_reads_contacts() {
+    let triggers = |effects: &[Effect], fields| {
+        let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(4) };
+        let mut scene = pen_and_cup(&wander(4, 0.25), tracker, JITTER);
+        scene.effects = effects.to_vec();
+        let plugins = PluginOptions { contact_fields: fields, ..PluginOptions::default() };
+        let options = RunOptions { plugins, ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene, &options).unwrap();
+        let mut told = Vec::new();
+        while app.step().unwrap() {
+            let step = app.app().world().resource::<SimulatedTime>().steps();
+            told.extend(messages::<CollisionStart>(&app).iter().map(|_| (step, true)));
+            told.extend(messages::<CollisionEnd>(&app).iter().map(|_| (step, false)));
+        }
+        told
+    };
+    let contacts = [Effect::Contacts { margin: 0.1 }];
+    let none = triggers(&contacts, ContactFields::NONE);
+    assert!(none.len() > 4, "{none:?}");
+    assert_eq!(triggers(&contacts, ContactFields::ALL), none);
+    assert_eq!(triggers(&[Effect::Penetration], ContactFields::NONE), none);
+    assert_eq!(triggers(&[], ContactFields::NONE), none);
+}
+
+/// A die in the cup's wall is as deep in as can be, though no surface meets another.
+#[test]
+fn what_is_wholly_within_another_is_deep() {
+    let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(1) };
+    let inside = vec![(0.0, Pose::at(DVec3::ZERO)), (3.0, Pose::at(DVec3::ZERO))];
+    let mut scene = pen_and_cup(&inside, tracker, 0.1);
+    scene.bodies[0].collision = Arc::new(Cuboid { size: [200.0; 3] }.build().unwrap());
+    scene.duration = 0.5;
+    let tracking = &run(&scene).tracking[0];
+    assert_eq!((tracking.truth, tracking.filtered.contacts, tracking.filtered.missed), (1, 1, 0));
+    // A tracker that sees it only when it is too late has missed it.
+    scene.bodies[1].tracker.as_mut().unwrap().device.dropouts = 1.0;
+    let missed = &run(&scene).tracking[0];
+    assert_eq!((missed.truth, missed.filtered.missed), (1, 1), "{missed:?}");
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn what_the_solver_moves_is_not_compared_and_counted() {
+    let tracker = TrackerDescription { settings: TrackerSettings::default(), device: shaky(1) };
+    let mut scene = pen_and_cup(&above_rim(50.0), tracker, JITTER);
+    scene.bodies.push(cube("die", BodyKind::Dynamic, DVec3::Z * 900.0, DVec3::ZERO));
+    scene.effects = vec![Effect::Response];
+    scene.duration = 0.1;
+    assert_eq!(run(&scene).tracking[0].uncompared, 1);
+}
+
+#[test]
+fn a_first_overlap_is_named_where_penetration_alone_tells_depths() {
+    let summary = |effects: &[Effect]| run(&gate(effects));
+    let told = summary(&[Effect::Penetration]);
+    let first = told.first_overlap.expect("they pass through each other");
+    assert!(first.depth > 0.0 && told.deepest.unwrap().depth >= first.depth);
+    assert_eq!(summary(&[Effect::TRIGGER]).first_overlap, None);
+}
+
 /// It is led by velocities, and appears without one.
 #[test]
 fn a_tracked_body_appears_and_then_moves() {
@@ -313,7 +408,34 @@ fn what_does_not_go_together_is_refused_with_its_remedy() {
         refused.expect("refused").to_string()
     };
     let alone = refused(|scene| scene.bodies[1].effects = vec![Effect::TRIGGER]);
-    assert!(alone.starts_with("body 'pen' has a tracker, but no effect Tracking"), "{alone}");
+    assert!(alone.starts_with("body 'pen' has a tracker, but none of its pairs"), "{alone}");
+    // The one effect is the pen's, and the other is for a pair that it is not of.
+    let apart = refused(|scene| {
+        scene.bodies[1].effects = vec![Effect::TRIGGER];
+        scene.pairs = vec![PairDescription {
+            a: "cup".into(),
+            b: "post".into(),
+            effects: vec![Effect::Tracking { tolerance: 1.0 }],
+            accuracy: None,
+        }];
+        scene.bodies.push(cube("post", BodyKind::Kinematic, DVec3::X * 900.0, DVec3::ZERO));
+    });
+    assert!(apart.starts_with("body 'pen' has a tracker, but none of its pairs"), "{apart}");
+    let nobody = refused(|scene| {
+        scene.bodies[1].effects = vec![Effect::Tracking { tolerance: 1.0 }];
+        scene.bodies[1].tracker = None;
+        for name in ["post", "beam"] {
+            let far = cube(name, BodyKind::Kinematic, DVec3::X * 900.0, DVec3::ZERO);
+            scene.bodies.push(far);
+        }
+        scene.pairs = vec![PairDescription {
+            a: "beam".into(),
+            b: "post".into(),
+            effects: vec![Effect::TRIGGER],
+            accuracy: None,
+        }];
+    });
+    assert!(nobody.starts_with("Tracking of body 'pen' is for none of its pairs"), "{nobody}");
     let silent =
         refused(|scene| scene.bodies[1].effects = vec![Effect::Tracking { tolerance: 1.0 }]);
     assert_eq!(silent, "Tracking needs Trigger: name Trigger too, or leave Tracking out");

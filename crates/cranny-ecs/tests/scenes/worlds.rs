@@ -30,7 +30,8 @@ fn a_stylus_that_shakes_makes_its_three_contacts_and_no_other() {
     let mut app = app("imprecise_tracking.ron", None);
     while app.step().unwrap() {}
     let tracking = app.finish().unwrap().tracking.remove(0);
-    let TrackedSummary { contacts, spurious, repeated, missed, latency_steps } = tracking.filtered;
+    let TrackedSummary { contacts, spurious, repeated, missed, latency_steps, .. } =
+        tracking.filtered;
     assert_eq!((tracking.truth, contacts, spurious, repeated, missed), (3, 3, 0, 0, 0));
     assert!(latency_steps < 60, "{tracking:?}");
     assert!(tracking.raw.spurious > 20 && tracking.raw.repeated > 0, "{tracking:?}");

@@ -203,8 +203,8 @@ impl Assembly<'_> {
             let what = "it has a tracker but no path. Give it the path on which the device sees it, or leave the tracker out";
             return Err(self.contradicted(&body.name, what));
         }
-        let tracker = file.description(self.description.seed);
-        let checked = tracker.check().map(|()| Some(tracker));
+        let tracker = file.description(&body.name, self.description.seed);
+        let checked = tracker.check(self.description.step).map(|()| Some(tracker));
         checked.map_err(|why| self.contradicted(&body.name, format!("its tracker: {why}")))
     }
 

@@ -1,5 +1,6 @@
 //! What a scene file says of a body that a device tracks.
 
+use cranny_world::Random;
 use cranny_world::description::{OneEuro, SimulatedDevice, TrackerDescription, TrackerSettings};
 use serde::Deserialize;
 
@@ -46,7 +47,7 @@ struct DeviceFile {
     occlusions: NotNegative,
     #[serde(default = "nothing")]
     occluded_for: NotNegative,
-    /// Instead of the scene's.
+    /// Instead of one of the scene's and the body's name.
     #[serde(default)]
     seed: Option<u64>,
 }
@@ -59,9 +60,17 @@ fn no_share() -> Fraction {
     Fraction(0.0)
 }
 
+/// Of a body's own device: bodies of one scene do not err alike. FNV-1a of the name, mixed with the
+/// scene's seed.
+fn seed_of(body: &str, seed: u64) -> u64 {
+    let mix = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    let name = body.bytes().fold(0xcbf2_9ce4_8422_2325, mix);
+    Random::new(name ^ Random::new(seed).bits()).bits()
+}
+
 impl TrackerFile {
-    /// In a scene of some seed.
-    pub(super) fn description(&self, seed: u64) -> TrackerDescription {
+    /// Of a body, in a scene of some seed.
+    pub(super) fn description(&self, body: &str, seed: u64) -> TrackerDescription {
         let default = TrackerSettings::default();
         let smoothing = self.smoothing.map(|OneEuroFile { min_cutoff, per_speed }| OneEuro {
             min_cutoff: min_cutoff.0,
@@ -82,7 +91,7 @@ impl TrackerFile {
             dropouts: file.dropouts.0,
             occlusions: file.occlusions.0,
             occluded_for: file.occluded_for.0,
-            seed: file.seed.unwrap_or(seed),
+            seed: file.seed.unwrap_or_else(|| seed_of(body, seed)),
         };
         TrackerDescription { settings, device }
     }
