@@ -73,7 +73,8 @@ pub(super) fn about_pieces(all: &[MethodFigures], runs: &[RunFigures]) -> Option
         sentences.push(format!("Convex pieces are the better choice {}.", better.join("; and ")));
     }
     if !worse.is_empty() {
-        sentences.push(format!("Convex pieces are not {}.", worse.join("; nor ")));
+        sentences
+            .push(format!("Convex pieces are not the better choice {}.", worse.join("; nor ")));
     }
     sentences.extend(in_motion(runs));
     (!sentences.is_empty()).then(|| sentences.join(" "))
@@ -94,13 +95,18 @@ fn in_motion(runs: &[RunFigures]) -> Option<String> {
         (true, ..) => ", and does not come to its end".to_owned(),
         (_, true, _) => ", and a body lies wholly within another".to_owned(),
         (_, _, left) if left > ours.left.len() => format!(", and {left} bodies leave the world"),
-        _ if depth(ours) > 0.0 => {
-            format!(
-                ", and the deepest overlap is {} times ours",
-                times(depth(pieces) / depth(ours))
-            )
-        }
-        _ => String::new(),
+        _ => match (depth(pieces), depth(ours)) {
+            (its, own) if its > 0.0 && own > 0.0 => {
+                format!(", and the deepest overlap is {} times ours", times(its / own))
+            }
+            (its, _) if its > 0.0 => {
+                format!(", and bodies overlap by {}, with ours not at all", rounded(its))
+            }
+            (_, own) if own > 0.0 => {
+                format!(", and bodies do not overlap, with ours by {}", rounded(own))
+            }
+            _ => String::new(),
+        },
     };
     Some(words + ".")
 }
@@ -322,7 +328,7 @@ mod tests {
         let said = about(peer(PIECES, 3.0, 1e-8, 2)).unwrap();
         assert!(said.ends_with("choice where bodies are apart: 4.0 times faster."), "{said}");
         let said = about(peer(PIECES, 2.0, 0.1, 0)).unwrap();
-        assert!(said.ends_with("not where bodies are apart: ours is as good in 1.0 µs."), "{said}");
+        assert!(said.ends_with("choice where bodies are apart: ours is as good in 1.0 µs."), "{said}");
         let said = about(peer(PIECES, 1.0, 0.005, 8)).unwrap();
         assert!(said.ends_with("wrong about whether bodies meet at 8 of 700 poses."), "{said}");
         assert_eq!(about_pieces(&ours(), &[]), None);
