@@ -328,7 +328,10 @@ mod tests {
         let said = about(peer(PIECES, 3.0, 1e-8, 2)).unwrap();
         assert!(said.ends_with("choice where bodies are apart: 4.0 times faster."), "{said}");
         let said = about(peer(PIECES, 2.0, 0.1, 0)).unwrap();
-        assert!(said.ends_with("choice where bodies are apart: ours is as good in 1.0 µs."), "{said}");
+        assert!(
+            said.ends_with("choice where bodies are apart: ours is as good in 1.0 µs."),
+            "{said}"
+        );
         let said = about(peer(PIECES, 1.0, 0.005, 8)).unwrap();
         assert!(said.ends_with("wrong about whether bodies meet at 8 of 700 poses."), "{said}");
         assert_eq!(about_pieces(&ours(), &[]), None);
