@@ -46,6 +46,7 @@ mod continuous;
 mod deformation;
 mod detection;
 mod diagnostics;
+mod effect_components;
 mod effects;
 #[cfg(feature = "rapier")]
 mod energy;
@@ -108,10 +109,11 @@ pub use cranny_world::{BodyId, ContactFields, PairEstimate, Verdict};
 pub use deformation::{DeformationPlugin, DeformationSystems, Dented};
 pub use detection::{Detected, DetectionSystems, Detector};
 pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
-pub use effects::{
-    AskedBy, Contacts, Continuous, Deformation, EffectAccuracy, EffectKind, EffectTable,
-    ForceFeedback, PairAccuracy, Penetration, Proximity, Response, Sound, Tracking, Trigger,
+pub use effect_components::{
+    Contacts, Continuous, Deformation, EffectAccuracy, ForceFeedback, PairAccuracy, Penetration,
+    Proximity, Response, Sound, Tracking, Trigger,
 };
+pub use effects::{AskedBy, EffectKind, EffectTable};
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};

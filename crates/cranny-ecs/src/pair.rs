@@ -9,7 +9,8 @@ use cranny_world::description::{Accuracy, Effect};
 
 use crate::admission::{Noted, note_change, note_removal};
 use crate::body::{Bodies, Body};
-use crate::effects::{EffectTable, Pair, PairAccuracy, effects_of, ordered};
+use crate::effect_components::{PairAccuracy, effects_of};
+use crate::effects::{EffectTable, Pair, ordered};
 use crate::error::{Failure, SceneAppError};
 
 /// A pair of bodies. Effects ([`Trigger`](crate::Trigger), [`Contacts`](crate::Contacts),

@@ -14,7 +14,8 @@ use cranny_world::description::{
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
 use crate::collider::{Collider, VisualMesh};
-use crate::effects::{EffectKind, EffectTable, PairAccuracy, add_effects};
+use crate::effect_components::{PairAccuracy, add_effects};
+use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};

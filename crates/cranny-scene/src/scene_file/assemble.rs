@@ -15,11 +15,12 @@ use cranny_world::description::{
     TrackerDescription,
 };
 
+use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
 use super::geometry::CollisionGeometry;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    AccuracyFile, BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, MassFile, PairFile,
-    PileFile, PoseFile, PresetFile, SceneFile, ShapeFile, effects,
+    AccuracyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PresetFile,
+    SceneFile, effects,
 };
 use super::values::Finite;
 use super::{LoadOptions, locate, mass, pile, place_robot};

@@ -8,8 +8,8 @@ use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, FindingKind, Mesh, Model, Repair, Report};
 
 use super::assemble::Assembly;
+use super::body_syntax::{RepairFile, ShapeFile};
 use super::problem::{SceneError, SceneProblem};
-use super::syntax::{RepairFile, ShapeFile};
 use crate::mesh_file::{is_saved_model, read_mesh};
 
 /// What collides of a body.

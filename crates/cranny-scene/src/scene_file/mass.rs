@@ -4,8 +4,8 @@ use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::{BuildOptions, MassProperties, Mesh, MeshError, Model, SurfaceProperties};
 use cranny_world::description::StatedMass;
 
+use super::body_syntax::MassFile;
 use super::geometry::CollisionGeometry;
-use super::syntax::MassFile;
 
 /// The mass of a dynamic body: as the file says, or, where it says nothing and the mesh bounds no
 /// solid, that of its convex hull, with the reason. `None`: of the solid, at its density.

@@ -24,6 +24,7 @@
 //! line and column.
 
 mod assemble;
+mod body_syntax;
 mod effect;
 mod geometry;
 mod locate;
