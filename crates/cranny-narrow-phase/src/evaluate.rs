@@ -95,9 +95,9 @@ pub fn query(
     Ok(found)
 }
 
-/// How deep two solids overlap, a region each, the deepest first; without the curves, contacts and
-/// areas of [`Demand::Regions`]. Empty where they do not overlap, where one lies wholly inside the
-/// other, and where a surface is open.
+/// How deep two solids overlap, a region each, in an order that A and B exchanged do not change;
+/// without the curves, contacts and areas of [`Demand::Regions`]. Empty where they do not overlap,
+/// where one lies wholly inside the other, and where a surface is open.
 ///
 /// # Errors
 ///
@@ -117,12 +117,11 @@ pub fn penetrations(
     coherent.begin(pair);
     let pairs = coherent.meetings(pair, &mut counters);
     let solid = coherent.solidity(pair, strongest(&pairs), &pairs, &mut counters).solid;
-    let mut found = match solid && !pairs.is_empty() {
+    let found = match solid && !pairs.is_empty() {
         true => overlaps(pair, posed, &pairs, &mut counters),
         false => Vec::new(),
     };
     coherent.end(pair);
-    found.sort_by(|x, y| deepest_first(pair, &x.deepest, &y.deepest));
     Ok(found)
 }
 

@@ -1,5 +1,6 @@
 //! A page of a moment: all of it beside a section through what touches, and that magnified.
 
+use cranny_narrow_phase::Contact;
 use cranny_render::{
     Camera, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, palette,
 };
@@ -193,14 +194,41 @@ fn caption(
             (format!("; no overlap; nearest: {}, {gap} apart", names(pair)), gap)
         }),
     };
-    let shown = focus.and_then(|focus| focus.contact.as_ref());
-    let shown = match shown.filter(|contact| number(contact.separation.abs()) != length) {
-        Some(contact) => format!("; shown: {}", marks::how_deep(contact)),
-        None => String::new(),
-    };
+    let shown = shown_beside(focus.and_then(|focus| focus.contact.as_ref()), &length);
     format!("t = {:.3} s; {count}{extreme}{shown}", moment.time)
+}
+
+/// Names a contact that is shown where the extreme one, so deep or so far apart, is another.
+fn shown_beside(shown: Option<&Contact>, extreme: &str) -> String {
+    let other = shown.filter(|contact| number(contact.separation.abs()) != extreme);
+    other.map_or(String::new(), |contact| format!("; shown: {}", marks::how_deep(contact)))
 }
 
 fn gap(pair: &MeetingPair) -> f64 {
     contacts(&pair.answer).map(|contact| contact.separation).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+    use cranny_geometry::VertexId;
+    use cranny_narrow_phase::Feature;
+
+    #[test]
+    fn a_contact_that_is_not_the_extreme_one_is_named() {
+        let vertex = Feature::Vertex(VertexId(0));
+        let contact = |separation| Contact {
+            id: (vertex, vertex),
+            point_a: DVec3::ZERO,
+            point_b: separation * DVec3::Z,
+            normal: DVec3::Z,
+            separation,
+        };
+        let shown = |separation, extreme| shown_beside(Some(&contact(separation)), extreme);
+        assert_eq!(shown(-0.00151, "0.00156"), "; shown: 0.00151 deep");
+        assert_eq!(shown(0.00824, "0.00529"), "; shown: 0.00824 apart");
+        assert_eq!(shown(-0.00156, "0.00156"), "");
+        assert_eq!(shown_beside(None, "0.1"), "");
+    }
 }

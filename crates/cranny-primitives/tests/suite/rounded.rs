@@ -1,6 +1,7 @@
 //! Rounded models and the way out of deep overlaps, by hand.
 
 use cranny_exact::{DVec3, Pose};
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_primitives::deep::{thickness, way_out};
 use cranny_primitives::{Rounded, Separation, rounded_contacts, rounded_separation};
@@ -61,4 +62,27 @@ fn a_deep_overlap_has_one_way_out() {
         assert!(led.iter().all(|c| c.separation < 0.0 && -c.separation < thin), "{depth}: {led:?}");
         assert_eq!(led.len(), if leads { 3 } else { 0 }, "{depth} deep");
     }
+}
+
+/// Of two plates that are one body one is deep in a block and one is not: the deep one is led, what
+/// the other touches stays as it is.
+#[test]
+fn what_is_shallow_beside_a_deep_overlap_keeps_its_contacts() {
+    let (block, plate) = (cuboid([8.0, 4.0, 2.0]), cuboid([1.0, 1.0, 0.1]));
+    let aside = DVec3::new(2.0, 0.0, 0.06);
+    let places = plate.mesh().vertices().iter().flat_map(|&p| [p, p + aside]);
+    let faces = plate.mesh().faces().iter();
+    let faces = faces.flat_map(|face| [0, 1].map(|copy| face.map(|v| 2 * v + copy)));
+    let plates = Mesh::new(places.collect(), faces.collect()).expect("two plates");
+    let plates = Model::build(plates, &BuildOptions::default()).expect("a body").0;
+    let thin = thickness(&plates);
+    let pose = Pose::at(DVec3::Z * (1.05 - 0.07));
+    let (a, b) = (Placed { model: &block, pose: Pose::IDENTITY }, Placed { model: &plates, pose });
+    let mut memory = PairMemory::default();
+    let answer = query(a, b, &Query::of(Demand::contacts(0.0)), &mut memory).expect("poses");
+    let led = way_out([&block, &plates], thin, &pose, &answer, &mut memory).expect("a pose");
+    let (shallow, deep): (Vec<_>, Vec<_>) =
+        led.expect("one is deep").into_iter().partition(|c| c.separation > -0.011);
+    assert_eq!(deep.len(), 3, "{deep:?}");
+    assert!(!shallow.is_empty() && shallow.iter().all(|c| c.point_b.x > 1.4), "{shallow:?}");
 }

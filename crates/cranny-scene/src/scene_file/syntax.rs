@@ -1,5 +1,5 @@
-//! What a scene file may say, as it says it; of bodies in `body_syntax`. [`parse`] reads it, `locate` gives errors their line
-//! and column.
+//! What a scene file may say, as it says it; of bodies in `body_syntax`. [`parse`] reads it,
+//! `locate` gives errors their line and column.
 
 use std::collections::BTreeMap;
 use std::path::Path;
