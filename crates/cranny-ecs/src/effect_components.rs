@@ -21,8 +21,8 @@ pub struct Proximity {
 
 /// How exactly the [`Trigger`] and the [`Proximity`] beside it are known; without it, at the level
 /// of the pair ([`PairAccuracy`]) or else of the app
-/// ([`CrannyPlugins::accuracy`](crate::CrannyPlugins::accuracy)). Of a pair the most exact level
-/// that somebody asks for counts, and other effects are exact.
+/// ([`CrannyPlugins::accuracy`](crate::CrannyPlugins::accuracy)). The most exact level of a
+/// pair's effects counts, and effects other than these two are exact.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct EffectAccuracy {
@@ -175,7 +175,7 @@ pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     }
 }
 
-/// The level of an effect that was asked for before and is again.
+/// The level of an effect that an entity has already and gets once more.
 fn joined(
     entity: &EntityWorldMut<'_>,
     before: Option<Option<Accuracy>>,

@@ -180,8 +180,7 @@ impl EffectTable {
         self.excluded.retain(|pair| pair.0 != body && pair.1 != body);
     }
 
-    /// What is asked about pairs, at which levels, and which never meet, in place of what was so
-    /// before.
+    /// Replaces the effects of pairs, their levels, and which never meet.
     pub(crate) fn set_pairs(
         &mut self,
         pairs: BTreeMap<Pair, Vec<Effect>>,
@@ -277,8 +276,8 @@ impl EffectTable {
         &self.levels
     }
 
-    /// The level at which `Trigger` and `Proximity` of a pair are known; `None` where nobody asks
-    /// for either.
+    /// The level at which `Trigger` and `Proximity` of a pair are known; `None` where it has
+    /// neither.
     #[must_use]
     pub fn accuracy_of(&self, a: BodyId, b: BodyId) -> Option<Accuracy> {
         let unstated = self.levels.get(&ordered(a, b)).copied().unwrap_or(self.accuracy);

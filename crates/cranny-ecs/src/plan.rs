@@ -87,8 +87,8 @@ pub struct PlannedPairs {
     pub effects: Vec<String>,
     /// What is computed: the union of what is read, "solver contacts" for the solver.
     pub fields: Vec<&'static str>,
-    /// At which level `Trigger` and `Proximity` are known, "caps"; `None` where nobody asks for
-    /// either.
+    /// At which level `Trigger` and `Proximity` are known, "caps"; `None` where the pair has
+    /// neither.
     pub accuracy: Option<String>,
     /// Who detects them: "solver", "world", "solver and world" or "nobody".
     pub detected_by: &'static str,
@@ -315,7 +315,7 @@ fn read_by(readers: &ContactReaders) -> Vec<String> {
     readers.iter().map(told).collect()
 }
 
-/// What is asked about a pair, what is computed for that, at which level, who detects it, and why.
+/// Effects of a pair, fields computed for them, their level, the detector, and why.
 type Asked = (Vec<String>, Vec<&'static str>, Option<String>, &'static str, String);
 
 /// All pairs, grouped.

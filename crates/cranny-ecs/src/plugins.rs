@@ -179,8 +179,8 @@ impl CrannyPlugins {
         self.checked()
     }
 
-    /// Elementary tests that a step may take for pairs of which `Trigger` and `Proximity` alone are
-    /// asked, all together; `None`, as without it: as many as they need. What is left open is
+    /// Elementary tests that a step may take for all pairs together that have `Trigger` and
+    /// `Proximity` alone; `None`, as without it: as many as they need. What is left open is
     /// narrowed in later steps.
     ///
     /// # Errors

@@ -60,8 +60,8 @@ impl LayerNames {
 /// ```
 ///
 /// Its bodies, joints, pairs and effects become entities and components; gravity, step, budget and
-/// cameras stay those of the app. What the scene asks for all bodies, each of its bodies asks for,
-/// at the scene's level, and each pair with a level of its own at that level. Of the two the more
+/// cameras stay those of the app. Each body has the scene's effects at the scene's level,
+/// and each pair with a level of its own has them at that level. Of the two the more
 /// exact counts: a pair whose level is coarser than the scene's is at the scene's. Effects of
 /// bodies that state no level are at the app's.
 #[derive(Clone, Debug)]
@@ -197,8 +197,7 @@ impl SpawnScene {
         entity.insert(Collider::from(&self.models[index])).id()
     }
 
-    /// What the scene asks for all bodies, at a level where it states none; empty where the app
-    /// asks for it already.
+    /// The scene's effects, at a level where it states none; empty where the app has them already.
     fn effects_of_scene(&self, unstated: Accuracy) -> Vec<Effect> {
         let level = |effect: &Effect| effect.stated_level().unwrap_or(unstated);
         let asked = self.scene.effects.iter().filter(|_| !self.effects_known);

@@ -105,11 +105,11 @@ pub struct CountSummary {
 pub struct EstimateSummary {
     /// Pairs of a step.
     pub pairs: CountSummary,
-    /// Of these, pairs of which it was certain whether they touched.
+    /// Of these, pairs with a certain verdict.
     pub certain: f64,
-    /// Those of which it was open, which counted as touching.
+    /// Pairs with an open verdict, which counts as touching.
     pub open: CountSummary,
-    /// Pairs of which a larger budget would have told more.
+    /// Pairs that a larger budget would have narrowed.
     pub unsettled: CountSummary,
     /// Elementary tests that they took.
     pub tests: CountSummary,
@@ -146,8 +146,7 @@ pub struct TriggerSummary {
     pub b: String,
     /// How often the two began to touch.
     pub times: u64,
-    /// Of these, those of which it was open whether they touched, at their level or within the
-    /// budget.
+    /// Of these, those with an open verdict, at their level or within the budget.
     pub open: u64,
     /// Steps completed when they first did.
     pub step: u64,

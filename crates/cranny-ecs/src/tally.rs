@@ -69,7 +69,7 @@ pub struct EstimateTally {
     pub pairs: Series,
     /// Of these, pairs whose verdict was open.
     pub open: Series,
-    /// Pairs of which a larger budget would have told more.
+    /// Pairs that a larger budget would have narrowed.
     pub unsettled: Series,
     /// Elementary tests that they took.
     pub tests: Series,

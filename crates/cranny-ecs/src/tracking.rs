@@ -115,8 +115,8 @@ struct Evidence<'w, 's> {
 }
 
 impl Evidence<'_, '_> {
-    /// Whether a pair touches, if it did or did not before; `None` where nobody asks for it, or no
-    /// tolerance is stated.
+    /// Whether a pair touches, if it did or did not before; `None` where it has no trigger
+    /// or no tolerance.
     fn touches(&self, pair: &PairAnswer, before: bool) -> Option<bool> {
         let (a, b, answer) = (pair.a, pair.b, &pair.answer);
         let tolerance = self.effects.tolerance(a, b)?;
@@ -155,8 +155,8 @@ fn is_near(answer: &Answer, tolerance: f64) -> bool {
     answer.contacts.iter().any(|contact| contact.separation <= tolerance)
 }
 
-/// Whether bodies overlap by more than a tolerance, of which contacts up to it are known: one of
-/// them is deeper, or a body is within the other and farther from its surface.
+/// Whether bodies overlap by more than a tolerance; the answer holds contacts up to it. One of them
+/// is deeper, or a body is within the other and farther from its surface.
 fn is_beyond(answer: &Answer, tolerance: f64) -> bool {
     let deep = answer.contacts.iter().any(|contact| -contact.separation > tolerance);
     deep || answer.contained.is_some() && !is_near(answer, tolerance)

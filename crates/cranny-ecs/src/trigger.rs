@@ -87,8 +87,8 @@ impl CollisionEnd {
     }
 }
 
-/// What a body touches now, by id, among the pairs that are asked for `Trigger`, or may touch as
-/// far as is known: [`StepReport::estimates`](cranny_world::StepReport::estimates) of [`Detected`]
+/// What a body touches now, by id, among the pairs with `Trigger`, or may touch as far as is
+/// known: [`StepReport::estimates`](cranny_world::StepReport::estimates) of [`Detected`]
 /// say which verdicts are open.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct TouchingBodies(pub BTreeSet<BodyId>);
@@ -127,7 +127,7 @@ pub struct TriggerLog(BTreeMap<Pair, Fired>);
 pub struct Fired {
     /// Beginnings, >= 1.
     pub times: u64,
-    /// Of these, those of which it was open whether the two touched.
+    /// Of these, those with an open verdict.
     pub open: u64,
     /// Steps completed at the first.
     pub step: u64,

@@ -64,8 +64,8 @@ impl fmt::Debug for Budget<'_> {
 
 impl Accuracy {
     /// The coarser of the levels at which everything is certain that is certain at either: the
-    /// finer one, or `Exact` for `Tree` beside `Hulls` or `Caps`, of which neither knows all that
-    /// the other one does.
+    /// finer one, or `Exact` for `Tree` beside `Hulls` or `Caps`: neither knows all that the other
+    /// one does.
     ///
     /// ```
     /// use cranny_estimate::Accuracy::{Boxes, Caps, Exact, Hulls, Tree};

@@ -88,7 +88,7 @@ pub(crate) fn on_curve(
 /// What closed curves enclose.
 pub(crate) struct Outline {
     area_vector: DVec3,
-    /// Sum of the areas of the triangles from a middle point to the segments, whatever their side.
+    /// Sum of the areas of the triangles from a middle point to the segments, on either side.
     fan_area: f64,
     perimeter: f64,
 }
@@ -147,7 +147,7 @@ fn least_deep_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
             }
         }
     }
-    // How deep a piece is along a direction that none of its faces looks along, rays do not tell.
+    // Rays do not measure a piece along a direction that none of its faces looks along.
     if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
         candidates.retain(|&n| face_each_other(pair, region, n));
     }

@@ -227,8 +227,8 @@ fn evidence_of_another_pose_proves_nothing_wrong() {
     assert!(held > 0 && refused > 0, "{held} {refused}");
 }
 
-/// Components that look inward count by what winds around a place, in whatever order they are
-/// filed; what cannot be judged so proves nothing.
+/// Components that look inward count by what winds around a place, in any order
+/// of filing; what cannot be judged so proves nothing.
 #[test]
 fn inward_components_make_no_wrong_claim_hold() {
     let [unit, on_top] = [cuboid([0.0; 3], [1.0; 3]), cuboid([0.0, 0.0, 1.0], [1.0, 1.0, 2.0])];

@@ -254,7 +254,7 @@ pub struct StatsMessage {
     /// Pairs that were estimated, at a level or within a budget: they are not answered exactly.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub estimated_pairs: usize,
-    /// Of these, pairs of which it is open whether they touch; `touching_pairs` leaves them out.
+    /// Of these, pairs with an open verdict; `touching_pairs` leaves them out.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub open_pairs: usize,
     /// Elementary tests of all estimates.

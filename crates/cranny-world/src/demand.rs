@@ -175,8 +175,8 @@ impl Wish {
         }
     }
 
-    /// The level of a pair: the most exact of those that are asked for, where what states none is
-    /// at `unstated`, and what needs contacts is exact. With a `sensor` nobody pushes.
+    /// The level of a pair: the most exact of its effects. Those that state none are at
+    /// `unstated`, those that need contacts are exact. With a `sensor` nobody pushes.
     pub(crate) fn accuracy(&self, unstated: Accuracy, sensor: bool) -> Accuracy {
         let Levels { stated, exact, pushes, .. } = self.levels;
         if exact || (pushes && !sensor) {
@@ -187,7 +187,7 @@ impl Wish {
         levels.reduce(Accuracy::join).unwrap_or_default()
     }
 
-    /// Whether a budget may leave answers open: where triggers and distances alone are asked for.
+    /// Whether a budget may leave answers open: where the pair has triggers and distances alone.
     pub(crate) fn may_stay_open(&self, sensor: bool) -> bool {
         !self.levels.exact && (sensor || !self.levels.pushes)
     }

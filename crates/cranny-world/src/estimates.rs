@@ -46,7 +46,7 @@ pub struct PairEstimate {
     pub a: BodyId,
     /// The other: B.
     pub b: BodyId,
-    /// The level that is asked of the pair.
+    /// The pair's level.
     pub accuracy: Accuracy,
     /// Whether the bodies share a point. `Open` counts as touching.
     pub verdict: Verdict,
@@ -224,7 +224,7 @@ impl<'w> Refinement<'w> {
         found.verdict != Verdict::Open && self.within().is_none_or(is_known)
     }
 
-    /// How large the coordinates are of which a distance is computed.
+    /// How large the coordinates are that a distance is computed from.
     fn extent(&self, distance: f64) -> f64 {
         let size = |body: &Body| {
             let [low, high] = [body.model.bounds().min, body.model.bounds().max];

@@ -19,8 +19,7 @@ pub struct StepReport {
     /// Which pairs began or ended to touch, among those that have a demand, and which regions of
     /// contact split or merged, where regions are asked for.
     pub events: Vec<PairEvent>,
-    /// Pairs that touch or overlap, or of which it is open whether they do, among those that have a
-    /// demand; ascending.
+    /// Pairs with a demand that touch or overlap, or have an open verdict; ascending.
     pub touching: Vec<(BodyId, BodyId)>,
     /// Counts and sums.
     pub stats: StepStats,
@@ -152,9 +151,9 @@ pub struct StepStats {
 pub struct EstimateStats {
     /// Pairs that were estimated.
     pub pairs: usize,
-    /// Of these, pairs of which it is open whether they touch.
+    /// Of these, pairs with an open verdict.
     pub open: usize,
-    /// Pairs of which more tests would tell more: the budget ended the work.
+    /// Pairs that more tests would narrow: the budget ended the work.
     pub unsettled: usize,
     /// Elementary tests that they took together.
     pub tests: u64,

@@ -426,8 +426,8 @@ impl World {
         found.refused.take().map_or(Ok(found), Err)
     }
 
-    /// What is asked about pairs whose boxes overlap, with their memories: what is answered
-    /// exactly, and what is estimated.
+    /// Questions about pairs with overlapping boxes, with their memories: those answered exactly,
+    /// and those estimated.
     fn wanted<'w>(
         &'w self,
         memories: &mut BTreeMap<Pair, PairState>,

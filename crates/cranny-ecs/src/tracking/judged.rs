@@ -70,7 +70,7 @@ pub struct TrackedContacts {
     /// Of them those that begin when the true contact has ended longer ago than a pose is old, but
     /// not longer ago than smoothing delays.
     pub late: usize,
-    /// True contacts of which none is reported, though they are deeper than twice the tolerance for
+    /// True contacts that are not reported, though they are deeper than twice the tolerance for
     /// longer than poses are apart.
     pub missed: usize,
     /// Those that are as deep, and during which the contact of another true one goes on.
@@ -82,7 +82,7 @@ pub struct TrackedContacts {
     pub end_latency: u64,
 }
 
-/// Contacts beside the true ones, which of them are whose.
+/// Which reported contacts belong to which true ones.
 struct Matching<'a> {
     truth: &'a [Stretch],
     seen: &'a [Stretch],

@@ -218,7 +218,7 @@ fn a_spawned_scene_keeps_the_levels_of_its_pairs() {
     }
 }
 
-/// An app without bodies that asks for effects at the level of boxes.
+/// An app without bodies, with effects at the level of boxes.
 fn plugged(effects: &[Effect]) -> SceneApp {
     let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
     let options = RunOptions { plugins, ..RunOptions::default() };
@@ -285,7 +285,7 @@ fn what_would_change_nothing_is_refused_by_name() {
     ] {
         assert!(message.starts_with(says), "{message}");
     }
-    // A command that asks for a level does so too.
+    // So does a command with a level.
     let error = SceneApp::new(&gate(&[contacts]), &at(Accuracy::Hulls)).err().unwrap();
     assert!(error.to_string().contains("`accuracy: Hulls`"), "{error}");
     assert!(SceneApp::new(&gate(&[contacts]), &at(Accuracy::Exact)).is_ok());

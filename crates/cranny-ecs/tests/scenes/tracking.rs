@@ -124,7 +124,7 @@ fn joined(a: TrackingSummary, b: TrackingSummary) -> TrackingSummary {
     }
 }
 
-/// At a tolerance of the jitter and without smoothing: whatever overlaps by twice as much for a
+/// At a tolerance of the jitter and without smoothing: what overlaps by twice as much for a
 /// pose is reported in the next step.
 #[test]
 fn two_millimetres_of_jitter_make_no_contact_and_hide_none() {
@@ -191,7 +191,7 @@ fn what_waits_half_a_millimetre_from_a_rim_does_not_touch_it() {
     assert!(run(&scene).triggers[0].times > 40);
 }
 
-/// A slight contact that stays is within the jitter: smoothing tells it from none.
+/// A slight contact that stays is within the jitter: smoothing finds it.
 #[test]
 fn what_lies_on_a_rim_lightly_is_found_by_smoothing() {
     let found = |smoothing, tolerance| {
@@ -308,7 +308,7 @@ fn two_that_are_tracked_are_compared_where_both_really_are() {
     assert_eq!((deep.truth, deep.filtered.contacts, deep.filtered.missed), (1, 1, 0), "{deep:?}");
 }
 
-/// Who reads what else changes no trigger: neither regions nor a recording of all.
+/// Other readers change no trigger: neither regions nor a recording of all.
 #[test]
 fn triggers_are_the_same_whoever_reads_contacts() {
     let triggers = |effects: &[Effect], fields| {

@@ -86,9 +86,9 @@ impl World {
         Ok(())
     }
 
-    /// Says how many elementary tests a step may take for pairs of which triggers and distances
-    /// alone are asked, all together; `None`: as many as they need. Pairs of which more is asked
-    /// are answered exactly, and do not count. What a pair keeps to go on with takes 5 MiB at most.
+    /// Sets how many elementary tests a step may take for all pairs together that have triggers
+    /// and distances alone; `None`: as many as they need. Pairs with other effects are answered
+    /// exactly, and do not count. What a pair keeps to go on with takes 5 MiB at most.
     pub fn set_budget(&mut self, budget: Option<u64>) {
         self.budget = budget;
     }
