@@ -13,7 +13,6 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::Pose;
-use cranny_narrow_phase::Counters;
 use cranny_world::description::{Accuracy, Effect};
 use cranny_world::{BodyId, BodySpec, ContactFields, StepReport, World as PairWorld};
 
@@ -254,15 +253,11 @@ fn read_deeper(tally: Res<Tally>, mut readers: ResMut<ContactReaders>) {
 /// Where there is a solver, its pairs and contacts are the ones counted.
 fn tally_pairs(detected: Res<Detected>, detector: Res<Detector>, mut tally: ResMut<Tally>) {
     let Some(StepReport { stats, .. }) = &detected.report else { return };
-    if stats.estimates.pairs > 0 {
-        tally.estimates.get_or_insert_default().push(&stats.estimates);
-    }
+    tally.estimates.push(&stats.estimates);
     if !detector.beside_solver {
         tally.pairs.push(stats.queried_pairs);
         tally.contacts.push(stats.contacts);
-        let Counters { node_tests, triangle_tests, inside_tests, .. } = stats.counters;
-        let exact = node_tests + triangle_tests + inside_tests;
-        tally.tests.push((exact + stats.estimates.tests) as usize);
+        tally.tests.push((stats.counters.tests() + stats.estimates.tests) as usize);
     }
 }
 

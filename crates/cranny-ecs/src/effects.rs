@@ -283,9 +283,7 @@ impl EffectTable {
         let unstated = self.levels.get(&ordered(a, b)).copied().unwrap_or(self.accuracy);
         let mut read = self.of_pair(a, b).filter(|(effect, _)| effect.has_levels()).peekable();
         read.peek()?;
-        let is_there = |effect: &Effect| !(effect.pushes() && self.is_sensed(a, b));
-        let asked = self.of_pair(a, b).filter(|(effect, _)| is_there(effect));
-        asked.map(|(effect, _)| effect.level(unstated)).reduce(Accuracy::join)
+        self.of_pair(a, b).map(|(effect, _)| effect.level(unstated)).reduce(Accuracy::join)
     }
 
     /// Whether one of two bodies is a sensor.
@@ -343,9 +341,7 @@ impl EffectTable {
         let meets = self.may_meet(a, b);
         let sensor = self.is_sensed(a, b);
         let all = scene.chain(bodies).chain(own);
-        let pushes =
-            |effect: &Effect| matches!(effect, Effect::Response | Effect::ForceFeedback { .. });
-        all.filter(move |(effect, _)| meets && !(sensor && pushes(effect)))
+        all.filter(move |(effect, _)| meets && !(sensor && effect.pushes()))
     }
 
     /// Whether a pair is asked for an effect.

@@ -33,7 +33,7 @@ pub(crate) fn check_levels(scene: &SceneDescription) -> Result<(), SceneAppError
         let all = scene.effects.iter().chain(of_ends).chain(&pair.effects);
         let sensor = ends().any(|body| body.sensor);
         if let Some(level) = pair.accuracy {
-            let what = format!("`accuracy: {}` of {}", in_scenes(level), owner());
+            let what = format!("`accuracy: {:?}` of {}", level, owner());
             if !all.clone().any(Effect::has_levels) {
                 return Err(SceneAppError::NoLevels { what });
             }
@@ -65,8 +65,7 @@ pub(crate) fn check_app_levels(
 
 /// What a scene states for all its pairs, in words.
 fn of_all(accuracy: Accuracy, budget: Option<u64>) -> impl Iterator<Item = String> {
-    let level =
-        (accuracy != Accuracy::Exact).then(|| format!("`accuracy: {}`", in_scenes(accuracy)));
+    let level = (accuracy != Accuracy::Exact).then(|| format!("`accuracy: {accuracy:?}`"));
     level.into_iter().chain(budget.map(|budget| format!("`budget: {budget}`")))
 }
 
@@ -82,8 +81,7 @@ fn check_stated<'a>(
         effect.stated_level().filter(|level| *level != Accuracy::Exact).map(|level| (effect, level))
     });
     coarse.map_or(Ok(()), |(effect, level)| {
-        let level = in_scenes(level);
-        let what = format!("`{}(accuracy: {level})` of {}", effect.name(), owner());
+        let what = format!("`{}(accuracy: {level:?})` of {}", effect.name(), owner());
         unless_exact(what, all, sensor)
     })
 }
@@ -97,17 +95,6 @@ fn unless_exact<'a>(
     match effects.find(needs_contacts) {
         Some(effect) => Err(SceneAppError::NotAtLevel { what, effect: effect.name() }),
         None => Ok(()),
-    }
-}
-
-/// A level as scenes write it.
-fn in_scenes(level: Accuracy) -> String {
-    match level {
-        Accuracy::Boxes => "Boxes".to_owned(),
-        Accuracy::Hulls => "Hulls".to_owned(),
-        Accuracy::Caps => "Caps".to_owned(),
-        Accuracy::Tree(depth) => format!("Tree({depth})"),
-        Accuracy::Exact => "Exact".to_owned(),
     }
 }
 

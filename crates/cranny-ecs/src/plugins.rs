@@ -228,11 +228,9 @@ impl CrannyPlugins {
     ) -> Result<Self, SceneAppError> {
         let spawn = SpawnScene::new(scene)?.with_known_effects();
         check_effects(scene)?;
-        let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
-        let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
-        let available: Vec<EffectKind> =
-            of_bodies.chain(of_pairs).filter_map(EffectKind::of).collect();
-        let plugins = Self::new(scene.step)?.effects(&scene.effects)?.available(&available)?;
+        // Of bodies and pairs; those of all bodies are among them without harm.
+        let available = scene.all_effects().filter_map(EffectKind::of).collect();
+        let plugins = Self { available, ..Self::new(scene.step)? }.effects(&scene.effects)?;
         let mut options = options.clone();
         let size = || typical_size(scene, spawn.models());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
@@ -395,10 +393,7 @@ fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> 
 /// [`SceneAppError::NeedsEffect`], [`SceneAppError::NotAtLevel`], [`SceneAppError::NoLevels`]; a
 /// tracker of a body, or `Tracking` of it, that is for none of its pairs.
 pub fn check_effects(scene: &SceneDescription) -> Result<(), SceneAppError> {
-    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
-    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
-    let all = || scene.effects.iter().chain(of_bodies.clone()).chain(of_pairs.clone());
-    go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))?;
+    go_together(|kind| scene.all_effects().any(|effect| EffectKind::of(effect) == Some(kind)))?;
     scene.bodies.iter().try_for_each(|body| check_tracking(scene, body))?;
     check_levels(scene)
 }

@@ -119,7 +119,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         pairs: count(&tally.pairs),
         pairs_found: pairs_found(world, &tally),
         tests: (tally.tests != Series::default()).then(|| count(&tally.tests)),
-        estimates: tally.estimates.map(estimated),
+        estimates: estimated(&tally.estimates),
         contacts: count(&tally.contacts),
         deepest,
         first_overlap: tally.first_overlap.filter(|_| tally.depths_known).map(overlap),
@@ -209,14 +209,14 @@ fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {
     log.map(|(body, step)| LeftSummary { body: bodies.name(body).to_owned(), step }).collect()
 }
 
-fn estimated(tally: EstimateTally) -> EstimateSummary {
-    EstimateSummary {
+fn estimated(tally: &EstimateTally) -> Option<EstimateSummary> {
+    (tally.pairs.max() > 0).then(|| EstimateSummary {
         pairs: count(&tally.pairs),
         certain: tally.pairs.mean() - tally.open.mean(),
         open: count(&tally.open),
         unsettled: count(&tally.unsettled),
         tests: count(&tally.tests),
-    }
+    })
 }
 
 fn count(series: &Series) -> CountSummary {

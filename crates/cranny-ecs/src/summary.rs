@@ -100,10 +100,10 @@ pub struct CountSummary {
     pub max: u64,
 }
 
-/// What was known at a level or within a budget, over the steps that had such pairs.
+/// What was known at a level or within a budget, a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EstimateSummary {
-    /// Pairs of a step.
+    /// Pairs.
     pub pairs: CountSummary,
     /// Of these, pairs with a certain verdict.
     pub certain: f64,

@@ -65,7 +65,7 @@ pub struct Contained {
 /// What was known of pairs at a level or within a budget.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EstimateTally {
-    /// Pairs estimated in a step, in steps that had any.
+    /// Pairs estimated in a step.
     pub pairs: Series,
     /// Of these, pairs whose verdict was open.
     pub open: Series,
@@ -99,7 +99,7 @@ pub struct Tally {
     /// points against solids. Empty where a solver detects.
     pub tests: Series,
     /// Of pairs known at a level or within a budget; `None` where there were none.
-    pub estimates: Option<EstimateTally>,
+    pub estimates: EstimateTally,
     /// Among exact answers.
     pub deepest: Option<DeepestSoFar>,
     /// Of the first exact answer with a depth.

@@ -112,11 +112,9 @@ impl Estimate {
         }
     }
 
-    /// Elementary tests that were made: of pairs of boxes and of triangles, of points against a
-    /// solid, and the steps of a walk.
+    /// Elementary tests that were made: those of [`Counters::tests`] and the steps of a walk.
     #[must_use]
     pub fn tests(&self) -> u64 {
-        let Counters { node_tests, triangle_tests, inside_tests, .. } = self.counters;
-        node_tests + triangle_tests + inside_tests + self.hull_steps
+        self.counters.tests() + self.hull_steps
     }
 }

@@ -16,7 +16,8 @@ use crate::warm_start::{WarmStart, hull_faces};
 /// Estimates the answer to a question about two placed models, within an effort.
 ///
 /// All that an estimate says is certain. Memory makes it tighter: it holds the bounds of the last
-/// estimate and the pairs of nodes that were opened for them (40 bytes each, 5 MiB at most).
+/// estimate and the pairs of nodes that were opened for them (40 bytes each, some 5 MiB
+/// at most while the pair moves).
 /// Exchanging A and B exchanges the estimate.
 ///
 /// The demand says what the effort is spent on: `Intersects`, on the verdict; `Distance`, on

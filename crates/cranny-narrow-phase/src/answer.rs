@@ -272,6 +272,17 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// Elementary tests of all kinds: of directions, boxes, faces and points.
+    #[must_use]
+    pub fn tests(&self) -> u64 {
+        self.planes_tried
+            + self.node_tests
+            + self.front_tested
+            + self.facets_compared
+            + self.triangle_tests
+            + self.inside_tests
+    }
+
     /// Counts how it was decided whether two triangles meet.
     pub(crate) fn judged(&mut self, by: Arithmetic) {
         match by {

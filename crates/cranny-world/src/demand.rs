@@ -178,12 +178,11 @@ impl Wish {
     /// The level of a pair: the most exact of its effects. Those that state none are at
     /// `unstated`, those that need contacts are exact. With a `sensor` nobody pushes.
     pub(crate) fn accuracy(&self, unstated: Accuracy, sensor: bool) -> Accuracy {
-        let Levels { stated, exact, pushes, .. } = self.levels;
-        if exact || (pushes && !sensor) {
+        if !self.may_stay_open(sensor) {
             return Accuracy::Exact;
         }
         let unstated = self.levels.unstated.then_some(unstated);
-        let levels = stated.into_iter().chain(unstated);
+        let levels = self.levels.stated.into_iter().chain(unstated);
         levels.reduce(Accuracy::join).unwrap_or_default()
     }
 

@@ -236,7 +236,18 @@ impl Effect {
     /// Whether it works on what a solver does, which has no part in the pairs of sensors.
     #[must_use]
     pub fn pushes(&self) -> bool {
-        !self.has_levels() && !matches!(self, Self::Contacts { .. } | Self::Penetration)
+        match self {
+            Self::Response
+            | Self::Continuous
+            | Self::Sound { .. }
+            | Self::Deformation { .. }
+            | Self::ForceFeedback { .. } => true,
+            Self::Trigger { .. }
+            | Self::Proximity { .. }
+            | Self::Contacts { .. }
+            | Self::Penetration
+            | Self::Tracking { .. } => false,
+        }
     }
 
     /// The level that it states; `None` where it states none.

@@ -436,7 +436,8 @@ impl World {
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
             let bodies @ [body_a, body_b] = [self.known(a)?, self.known(b)?];
-            let fields = self.fields(pair, body_a, body_b);
+            let wish = self.wish(pair, body_a, body_b);
+            let fields = wish.fields(self.read);
             if fields.demand() == Demand::None {
                 memories.remove(&pair);
                 continue;
@@ -447,7 +448,7 @@ impl World {
             }
             let state = memories.remove(&pair).unwrap_or_default();
             let query = Query::of(demand);
-            match self.level(pair, body_a, body_b) {
+            match self.level(&wish, pair, body_a.sensor || body_b.sensor) {
                 Some(level) => refinements.push(Refinement::new(pair, bodies, query, level, state)),
                 None => jobs.push((pair, Job { bodies, query, state, verify: self.verify })),
             }

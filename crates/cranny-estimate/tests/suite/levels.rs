@@ -176,11 +176,6 @@ fn demand(rng: &mut Rng, margin: f64) -> Demand {
     }
 }
 
-fn tests_of(found: &Estimate) -> u64 {
-    let c = &found.counters;
-    c.node_tests + c.triangle_tests + c.inside_tests
-}
-
 #[test]
 fn no_level_or_budget_excludes_what_exact_finds() {
     let bodies = bodies();
@@ -239,7 +234,7 @@ fn no_level_or_budget_excludes_what_exact_finds() {
                     witnesses_are_near_enough(placed_a, placed_b, &found, &what);
                 }
                 if let Budget::Tests(tests) = budget {
-                    assert!(tests_of(&found) <= tests, "{what}: {:?}", found.counters);
+                    assert!(found.counters.tests() <= tests, "{what}: {:?}", found.counters);
                 }
                 if let Budget::Until { deadline_ns, .. } = budget {
                     timed[usize::from(TICKS.0.load(Ordering::Relaxed) > deadline_ns)] += 1;
@@ -292,7 +287,7 @@ fn what_a_budget_leaves_open_is_narrowed_until_it_is_exact() {
                 assert!(held.lo <= now.lo && now.hi <= held.hi, "{held:?} then {now:?}");
                 held = now;
                 frames += 1;
-                if tests_of(&found) < 8 {
+                if found.counters.tests() < 8 {
                     // Nothing was left to do.
                     let closed = if meets(&exact) { Verdict::Certain } else { Verdict::Excluded };
                     assert_eq!(found.verdict, closed);
@@ -478,7 +473,10 @@ fn a_clock_ends_the_work_and_what_is_told_is_certain() {
         let question = Query::of(Demand::Distance { below: None });
         let found = estimate(a, b, &question, &effort, &mut EstimateMemory::default()).unwrap();
         assert!(found.separation.contains(exact));
-        assert!(tests_of(&found) <= 32 * (deadline_ns / 1_000).min(1 << 20) + 2, "{deadline_ns}");
+        assert!(
+            found.counters.tests() <= 32 * (deadline_ns / 1_000).min(1 << 20) + 2,
+            "{deadline_ns}"
+        );
         widths.push(found.separation.width());
     }
     assert!(widths.windows(2).all(|w| w[1] <= w[0]) && widths[3] < 1e-12, "{widths:?}");
@@ -537,7 +535,7 @@ fn what_is_no_question_is_refused_as_by_the_query() {
     let nothing = Query::of(Demand::None);
     let memory = &mut EstimateMemory::default();
     let found = estimate(at(0.0), at(9.0), &nothing, &Effort::tests(9), memory).unwrap();
-    assert_eq!((found.verdict, tests_of(&found)), (Verdict::Open, 0));
+    assert_eq!((found.verdict, found.counters.tests()), (Verdict::Open, 0));
 }
 
 #[test]

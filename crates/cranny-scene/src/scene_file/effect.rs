@@ -122,7 +122,7 @@ impl<'de> Visitor<'de> for EffectVisitor {
             Name::Tracking => content
                 .struct_variant(
                     &["tolerance"],
-                    Parameters::<TrackingFile>::new("the parameter tolerance"),
+                    Parameters::<TrackingFile>::exact("Tracking", "the parameter tolerance"),
                 )
                 .map(|TrackingFile { tolerance }| Effect::Tracking { tolerance: tolerance.0 }),
         };

@@ -88,7 +88,8 @@ impl World {
 
     /// Sets how many elementary tests a step may take for all pairs together that have triggers
     /// and distances alone; `None`: as many as they need. Pairs with other effects are answered
-    /// exactly, and do not count. What a pair keeps to go on with takes 5 MiB at most.
+    /// exactly, and do not count. What a pair keeps to go on with takes some 5 MiB at most
+    /// while it moves.
     pub fn set_budget(&mut self, budget: Option<u64>) {
         self.budget = budget;
     }
@@ -102,13 +103,13 @@ impl World {
     /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
     pub fn accuracy_of(&self, a: BodyId, b: BodyId) -> Result<Accuracy, WorldError> {
         let pair = self.known_pair(a, b)?;
-        let level = self.level(pair, self.known(pair.0)?, self.known(pair.1)?);
+        let [a, b] = [self.known(pair.0)?, self.known(pair.1)?];
+        let level = self.level(&self.wish(pair, a, b), pair, a.sensor || b.sensor);
         Ok(level.unwrap_or_default())
     }
 
     /// The level at which a pair is estimated; `None` where it is answered exactly, at once.
-    pub(super) fn level(&self, pair: Pair, a: &Body, b: &Body) -> Option<Accuracy> {
-        let (wish, sensor) = (self.wish(pair, a, b), a.sensor || b.sensor);
+    pub(super) fn level(&self, wish: &Wish, pair: Pair, sensor: bool) -> Option<Accuracy> {
         let unstated = self.pair_levels.get(&pair).copied().unwrap_or(self.accuracy);
         let level = wish.accuracy(unstated, sensor);
         let within_budget = self.budget.is_some() && wish.may_stay_open(sensor);
@@ -176,14 +177,15 @@ impl World {
     }
 
     pub(super) fn fields(&self, pair: Pair, a: &Body, b: &Body) -> Fields {
-        if self.excluded.contains(&pair) || !a.may_meet(b) {
-            return Fields::NONE;
-        }
         self.wish(pair, a, b).fields(self.read)
     }
 
-    /// What the scene's, both bodies' and the pair's effects ask for together.
-    fn wish(&self, pair: Pair, a: &Body, b: &Body) -> Wish {
+    /// What the scene's, both bodies' and the pair's effects need together: nothing where the two
+    /// may not meet.
+    pub(super) fn wish(&self, pair: Pair, a: &Body, b: &Body) -> Wish {
+        if self.excluded.contains(&pair) || !a.may_meet(b) {
+            return Wish::default();
+        }
         let of_pair = self.pair_wishes.get(&pair).copied().unwrap_or_default();
         self.scene.join(a.wish).join(b.wish).join(of_pair)
     }

@@ -115,7 +115,7 @@ impl Method for Ours {
             distance: Some(found.separation.hi),
             held: Some(found.separation),
             witnesses: found.witnesses.map(|w| w.map(|w| w.point)),
-            tests: Some(tests(&found)),
+            tests: Some(found.tests()),
         }
     }
 
@@ -140,14 +140,4 @@ fn meets(found: &Estimate) -> Option<bool> {
         Verdict::Excluded => Some(false),
         Verdict::Open => None,
     }
-}
-
-/// Elementary tests of all kinds.
-fn tests(found: &Estimate) -> u64 {
-    let counters = &found.counters;
-    counters.node_tests
-        + counters.triangle_tests
-        + counters.inside_tests
-        + found.hull_steps
-        + counters.planes_tried
 }

@@ -74,7 +74,6 @@ impl Line {
         };
         let answer = found.answer.as_ref();
         let wanted = |least: DemandArg| answer.filter(|_| asks(least));
-        let counters = &found.counters;
         Self {
             pose,
             verdict: match found.verdict {
@@ -97,12 +96,7 @@ impl Line {
                 .map(|answer| answer.regions.iter().map(RegionLine::new).collect()),
             places: (asks(DemandArg::Contacts) && answer.is_none())
                 .then(|| found.places.iter().map(PlaceLine::new).collect()),
-            tests: counters.node_tests
-                + counters.facets_compared
-                + counters.triangle_tests
-                + counters.inside_tests
-                + found.hull_steps
-                + counters.planes_tried,
+            tests: found.tests(),
             micros,
             closed_a: shown.closed[0],
             closed_b: shown.closed[1],
