@@ -4,17 +4,17 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Demand, Method, PairMemory, Placed, Query, query};
 
-// The tests of cranny-geometry ask the same of bytes from seeds; what they ask is written once.
-#[path = "../../crates/cranny-concavity/tests/from_bytes/checks.rs"]
+// The tests of cranny-concavity ask the same of bytes from seeds; what they ask is written once.
+#[path = "../../crates/cranny-concavity/tests/suite/from_bytes/checks.rs"]
 mod checks;
 #[allow(dead_code, reason = "the tests use all of it")]
-#[path = "../../crates/cranny-concavity/tests/body/mod.rs"]
+#[path = "../../crates/cranny-concavity/tests/suite/body.rs"]
 mod body;
 #[allow(dead_code, reason = "the tests use all of it")]
-#[path = "../../crates/cranny-concavity/tests/concavities/check.rs"]
+#[path = "../../crates/cranny-concavity/tests/suite/concavities/check.rs"]
 mod check;
 #[allow(dead_code, reason = "the tests use all of it")]
-#[path = "../../crates/cranny-concavity/tests/deform/equal.rs"]
+#[path = "../../crates/cranny-concavity/tests/suite/deform/equal.rs"]
 mod equal;
 
 pub use cranny_testkit::Bytes;

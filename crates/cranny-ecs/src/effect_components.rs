@@ -1,4 +1,5 @@
-//! Effects as components: of a body for all its pairs, of a pair's entity for the pair.
+//! Effects as components: of a body for all its pairs, of a pair's entity for the pair. To add one
+//! to Cranny: CONTRIBUTING, 'An effect'.
 
 use bevy_ecs::prelude::*;
 use cranny_world::description::{Accuracy, Effect};

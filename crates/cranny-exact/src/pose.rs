@@ -270,8 +270,9 @@ impl RigidMap {
 
 fn snapped(m: DMat3) -> DMat3 {
     DMat3::from_cols_array(&m.to_cols_array().map(|x| {
-        let nearest = x.round();
-        if (x - nearest).abs() <= SNAP { nearest + 0.0 } else { x }
+        // Entries of rotations: `round` is a call where the machine is an old one.
+        let nearest = f64::from(i8::from(x > 0.5) - i8::from(x < -0.5));
+        if (x - nearest).abs() <= SNAP { nearest } else { x }
     }))
 }
 

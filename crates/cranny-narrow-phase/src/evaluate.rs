@@ -9,12 +9,12 @@ use thiserror::Error;
 use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
 use crate::approach::Approach;
 use crate::coherent::Coherent;
-use crate::contacts::{ContactMemory, Wanted, near_patches};
+use crate::contacts::{ContactMemory, Wanted, is_small, near_patches};
 use crate::containment::{Solidity, solidity};
+use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
 use crate::pair::{Pair, PosedVertices, accepted};
-use crate::parting::Parting;
 use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
@@ -79,9 +79,9 @@ pub fn query(
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
-            // What regions say leads out of a whole overlap, and is no surface's.
+            // What regions of other bodies say leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
-                && found.regions.is_empty()
+                && (found.regions.is_empty() || is_small(pair))
             {
                 smooth.replace_normals(&mut found.contacts, [a, b], crease_angle)?;
             }
@@ -266,8 +266,11 @@ fn contacts(
         coherent.solidity(pair, out.surface, &near.meeting, &mut counters);
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
-    if solid && out.contacts.first().is_none_or(|c| c.separation >= 0.0) {
-        // Faces laid into each other, open surfaces: no vertex is inside, no edges cross.
+    let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
+    let left_to_regions = out.surface == Meeting::Cross && is_small(pair);
+    if solid && (left_to_regions || sees_no_overlap()) {
+        // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
+        // cross.
         let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, &mut counters);
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.

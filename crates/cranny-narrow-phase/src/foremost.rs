@@ -29,7 +29,7 @@ use self::layer::Layer;
 use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::closest::NearestFaces;
-use crate::gjk::{HullGap, Simplex};
+use crate::hulls::{HullGap, Simplex};
 use crate::pair::{Pair, Side};
 use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 

@@ -22,7 +22,7 @@
 //! `query` asks, for the `fields` that somebody reads, and says how bodies `approach`; `evaluate`
 //! conducts.
 //!
-//! **Separate.** `pair` puts the two models in canonical order and poses vertices; `parting` looks
+//! **Separate.** `pair` puts the two models in canonical order and poses vertices; `hulls` looks
 //! for a plane between their hulls, beyond which nothing is searched.
 //!
 //! **Search.** One descent of the models' two trees of clusters serves every question (`search`,
@@ -31,7 +31,7 @@
 //!
 //! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
 //! about solids, seeing planes by `projection`; `closest` measures faces, among those that lie
-//! `foremost` where a plane parts the hulls, along the line that `gjk` finds; `contacts` evaluates
+//! `foremost` where a plane parts the hulls, along the line that `hulls` finds; `contacts` evaluates
 //! features that face each other.
 //!
 //! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces
@@ -82,7 +82,7 @@ mod evaluate;
 mod fields;
 mod footprints;
 mod foremost;
-mod gjk;
+mod hulls;
 mod inside;
 mod intersection;
 mod memory;
@@ -91,7 +91,6 @@ mod near;
 mod numbering;
 mod observe;
 mod pair;
-mod parting;
 mod penetration;
 mod per_model;
 mod pieces;

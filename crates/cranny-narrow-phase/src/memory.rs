@@ -8,8 +8,8 @@ use cranny_geometry::Model;
 
 use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;
+use crate::hulls::Parting;
 use crate::pair::{Pair, PosedVertices};
-use crate::parting::Parting;
 use crate::pockets::PocketMemory;
 use crate::query::Placed;
 use crate::smooth::SmoothMemory;

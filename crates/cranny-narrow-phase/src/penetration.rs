@@ -7,7 +7,7 @@ use crate::depth::{MeasuredRegion, deepest_along};
 use crate::intersection::{Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
-use crate::special_position::in_general_position;
+use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 
 /// Below this ratio of enclosed area to perimeter squared, curves enclose nothing (a peg through a
@@ -63,15 +63,21 @@ pub(crate) fn overlaps(
         pieces.iter().map(|pieces| of_region(pair, intersection, pieces)).collect()
     };
     let here = intersect(pair, pairs);
-    in_general_position(pair, posed, &here, counters, of_regions, Penetration::depth).0
+    let depth = |found: &(DVec3, Contact)| -found.1.separation;
+    let (found, _) = in_general_position(pair, posed, &here, counters, of_regions, depth);
+    let finish = |(normal, deepest)| {
+        let deepest = if here.generic { deepest } else { settled(pair, deepest) };
+        Penetration { normal: pair.world_normal(normal), deepest: pair.world_contact(deepest) }
+    };
+    found.into_iter().map(finish).collect()
 }
 
-fn of_region(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) -> Penetration {
+/// The direction of a region and its deepest contact along it, in the pair's frame.
+fn of_region(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) -> (DVec3, Contact) {
     let region = MeasuredRegion::of(pair, intersection, pieces);
     let normal = Outline::of(intersection, &pieces.segments).direction(pair, &region);
     let deepest = deepest_along(&region, normal, f64::INFINITY);
-    let deepest = deepest.unwrap_or_else(|| on_curve(intersection, pieces, normal));
-    Penetration { normal: pair.world_normal(normal), deepest: pair.world_contact(deepest) }
+    (normal, deepest.unwrap_or_else(|| on_curve(intersection, pieces, normal)))
 }
 
 /// A contact of depth 0 at the first point of a region's curves.

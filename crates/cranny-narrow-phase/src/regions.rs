@@ -6,13 +6,14 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
+use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::penetration::{Outline, on_curve};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
-use crate::special_position::in_general_position;
+use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::touch::touch_regions;
 use cranny_geometry::triangle_distance::Prepared;
@@ -40,13 +41,17 @@ pub(crate) fn meeting_regions(
     if !is_closed(pair) {
         return (open_regions(pair, &here, pairs), rounding);
     }
-    let depth = |region: &Region| region.depth.unwrap_or(0.0);
-    let (regions, error) = in_general_position(pair, posed, &here, counters, closed_regions, depth);
-    match regions.is_empty() {
-        false => (regions, error),
+    let depth = |found: &Found| found.depth.unwrap_or(0.0);
+    let (mut found, error) =
+        in_general_position(pair, posed, &here, counters, closed_regions, depth);
+    if found.is_empty() {
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
-        true => (outer_touch(pair, pairs), rounding),
+        return (outer_touch(pair, pairs), rounding);
     }
+    if !here.generic {
+        found.iter_mut().for_each(|found| found.settle(pair));
+    }
+    (found.into_iter().map(|found| found.finish(pair)).collect(), error)
 }
 
 pub(crate) fn is_closed(pair: &Pair) -> bool {
@@ -56,35 +61,58 @@ pub(crate) fn is_closed(pair: &Pair) -> bool {
 fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
     let closed = is_closed(pair);
     let regions = touch_regions(pair, pairs).into_iter().map(|t| {
-        let (depth, area) = (closed.then_some(0.0), closed.then_some(t.area));
-        finish(pair, t.normal, depth, area, reduce(t.contacts), Vec::new(), t.faces)
+        let found = Found {
+            normal: t.normal,
+            depth: closed.then_some(0.0),
+            area: closed.then_some(t.area),
+            points: reduce(t.contacts),
+            curves: Vec::new(),
+            faces: t.faces,
+        };
+        found.finish(pair)
     });
     regions.collect()
 }
 
-/// Into world coordinates and the caller's order.
-fn finish(
-    pair: &Pair,
+/// A region in the pair's frame and order, but for its curves.
+struct Found {
     normal: DVec3,
     depth: Option<f64>,
     area: Option<f64>,
+    /// The deepest first.
     points: Vec<Contact>,
+    /// In world coordinates.
     curves: Vec<Curve>,
     faces: Vec<[FaceId; 2]>,
-) -> Region {
-    let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
-    let triangle_pairs = faces.len() as u32;
-    Region {
-        id: RegionId::default(),
-        from: Vec::new(),
-        faces: pair.ordered_faces(faces),
-        deepest: points[0],
-        normal: pair.world_normal(normal),
-        depth,
-        area,
-        points,
-        curves,
-        triangle_pairs,
+}
+
+impl Found {
+    /// Measures at the pair's own position what was read beside it.
+    fn settle(&mut self, pair: &Pair) {
+        let Self { points, .. } = self;
+        points.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
+        let deepest = (0..points.len()).min_by(|&i, &j| nearer(&points[i], &points[j]));
+        points.swap(0, deepest.unwrap_or(0));
+        self.depth = self.depth.map(|_| -self.points[0].separation);
+    }
+
+    /// Into world coordinates and the caller's order.
+    fn finish(self, pair: &Pair) -> Region {
+        let Self { normal, depth, area, points, curves, faces } = self;
+        let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
+        let triangle_pairs = faces.len() as u32;
+        Region {
+            id: RegionId::default(),
+            from: Vec::new(),
+            faces: pair.ordered_faces(faces),
+            deepest: points[0],
+            normal: pair.world_normal(normal),
+            depth,
+            area,
+            points,
+            curves,
+            triangle_pairs,
+        }
     }
 }
 
@@ -101,7 +129,7 @@ fn curves(
     chains.follow(segments).into_iter().map(curve).collect()
 }
 
-fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Region> {
+fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Found> {
     let mut chains = Chains::of(intersection);
     let region = |c: &RegionPieces| closed_region(pair, intersection, &mut chains, c);
     cut(pair, intersection).iter().map(region).collect()
@@ -112,7 +140,7 @@ fn closed_region(
     intersection: &Intersection,
     chains: &mut Chains,
     cut: &RegionPieces,
-) -> Region {
+) -> Found {
     let region = MeasuredRegion::of(pair, intersection, cut);
     let outline = Outline::of(intersection, &cut.segments);
     let normal = outline.direction(pair, &region);
@@ -136,15 +164,15 @@ fn closed_region(
     let mut points = reduce(contacts);
     points.retain(|c| c.id != deepest.id);
     points.insert(0, deepest);
-    finish(
-        pair,
+    let faces = cut.segments.iter().map(|&s| intersection.segments[s].faces).collect();
+    Found {
         normal,
-        Some(-deepest.separation),
-        Some(outline.area_along(normal)),
+        depth: Some(-deepest.separation),
+        area: Some(outline.area_along(normal)),
         points,
-        curves(pair, intersection, chains, &cut.segments),
-        cut.segments.iter().map(|&s| intersection.segments[s].faces).collect(),
-    )
+        curves: curves(pair, intersection, chains, &cut.segments),
+        faces,
+    }
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.
@@ -258,7 +286,8 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
                 .collect();
             let curves = curves(pair, intersection, &mut chains, &segments);
             let faces = segments.iter().map(|&s| intersection.segments[s].faces).collect();
-            finish(pair, normal, None, None, reduce(points), curves, faces)
+            let points = reduce(points);
+            Found { normal, depth: None, area: None, points, curves, faces }.finish(pair)
         })
         .collect()
 }

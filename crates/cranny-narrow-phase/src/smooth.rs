@@ -45,14 +45,14 @@ pub fn smooth_normal(
     let of_a = at(a, contact.id.0, contact.point_a, smooth_a);
     let of_b = at(b, contact.id.1, contact.point_b, smooth_b);
     let smooth_normal_at = match [of_a, of_b] {
-        [Form::Corner, Form::Corner] => return own,
+        // What is flat and straight has the contact's own.
+        [of_a, of_b] if !of_a.is_bent() && !of_b.is_bent() => return own,
         [Form::Curve(p), Form::Curve(q)] => across(own, p.tangent, q.tangent),
         [Form::Curve(_) | Form::Corner, Form::Curve(_) | Form::Corner] => return own,
         [Form::Surface(p), Form::Corner] => p.normal,
         [Form::Corner, Form::Surface(q)] => -q.normal,
         [Form::Surface(p), Form::Curve(curve)] => beside(p.normal, p.bend, curve),
         [Form::Curve(curve), Form::Surface(q)] => beside(-q.normal, q.bend, curve),
-        [Form::Surface(p), Form::Surface(q)] if p.bend == 0.0 && q.bend == 0.0 => return own,
         [Form::Surface(p), Form::Surface(q)] if radians_between(p.normal, -q.normal) > crease => {
             return own;
         }
@@ -77,6 +77,16 @@ enum Form {
     Curve(Crease),
     /// Sharp, and nothing more is known.
     Corner,
+}
+
+impl Form {
+    fn is_bent(&self) -> bool {
+        match self {
+            Self::Surface(surface) => surface.bend > 0.0,
+            Self::Curve(curve) => curve.bend > 0.0,
+            Self::Corner => false,
+        }
+    }
 }
 
 /// Curves between whose tangents the sine is less run side by side: what is square to both says

@@ -33,13 +33,6 @@ use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
-/// Pairs with a mesh of fewer faces get the regions of their contact, the others patch by patch.
-/// Larger: time is lost on what patches tell as well; smaller: sides that overlap lose the contacts
-/// where an edge of one passes over an edge of the other, since patches then tell vertices inside
-/// only. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
-/// (`a_hook_holds_at_an_edge`).
-const FINE: usize = 64;
-
 /// Our shape, where it is one.
 pub(crate) fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
     let any: &dyn Any = shape;
@@ -351,9 +344,6 @@ fn between_cores(cores: &[Core; 2], length: f64) -> f64 {
 /// What the solver needs of a pair of polyhedra.
 fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
     let margin = between_cores(cores, reach.within);
-    if cores.iter().any(|core| core.model().mesh().faces().len() < FINE) {
-        return Query::of(Demand::Regions { margin });
-    }
     // What a rounded or a smooth body comes to is not what its core comes to.
     let is_plain = cores.iter().all(|core| core.rounded.radius == 0.0 && core.smooth.is_none());
     match reach.approaching.filter(|_| is_plain) {

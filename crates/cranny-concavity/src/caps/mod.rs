@@ -1,5 +1,5 @@
 //! The cap surface, which closes holes: the hull, minus the faces of the mesh that lie on it. A cap
-//! is closed over a hole in `cover`.
+//! is closed over a hole, as that of a torus, in `CapSurface::cover`.
 //!
 //! Of every facet the *cap chain* is taken: the boundary of its triangles, divided where the mesh
 //! divides it ([`interface`]), minus the boundary of the faces that lie on it. Where nothing is

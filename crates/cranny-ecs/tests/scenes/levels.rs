@@ -75,7 +75,12 @@ fn the_log_and_the_summary_say_what_was_open() {
     assert_eq!(hulls.accuracy.as_deref(), Some("hulls"));
     assert_eq!((hulls.triggers[0].times, hulls.triggers[0].open), (1, 1));
     let estimates = hulls.estimates.unwrap();
-    assert_eq!((estimates.open.mean, estimates.certain), (1.0, 0.0), "hulls that overlap");
+    assert_eq!(
+        (estimates.open.mean, estimates.certain),
+        (estimates.pairs.mean, 0.0),
+        "hulls overlap"
+    );
+    assert!(estimates.pairs.max == 1 && estimates.pairs.mean < 1.0, "{estimates:?}");
     assert_eq!(estimates.unsettled.max, 0, "no budget ends anything");
     let options = RunOptions { budget: Some(Some(20)), ..RunOptions::default() };
     let within = run(&options);
@@ -194,26 +199,31 @@ fn components_state_levels() {
 /// A scene that is spawned into an app has its pairs at their levels, not at the scene's.
 #[test]
 fn a_spawned_scene_keeps_the_levels_of_its_pairs() {
-    for (effects, known) in [([Effect::TRIGGER], None), ([NEAR], None)] {
-        for (of_pair, expected) in [
-            (Some(Accuracy::Exact), known),
-            (Some(Accuracy::Caps), Some(Accuracy::Caps)),
-            (None, Some(Accuracy::Hulls)),
+    for effect in [Effect::TRIGGER, NEAR] {
+        for (stated, of_pair, expected) in [
+            (None, Some(Accuracy::Exact), None),
+            (None, Some(Accuracy::Caps), Some(Accuracy::Caps)),
+            (None, None, Some(Accuracy::Hulls)),
             // The scene's is the more exact one.
-            (Some(Accuracy::Boxes), Some(Accuracy::Hulls)),
+            (None, Some(Accuracy::Boxes), Some(Accuracy::Hulls)),
+            // What an effect states, it keeps.
+            (Some(Accuracy::Caps), None, Some(Accuracy::Caps)),
+            (Some(Accuracy::Caps), Some(Accuracy::Tree(3)), Some(Accuracy::Caps)),
+            (Some(Accuracy::Exact), Some(Accuracy::Boxes), None),
         ] {
-            let mut described = gate(&effects);
+            let mut described = gate(&[effect.stating(stated)]);
             described.bodies[1].pose.translation = DVec3::new(0.9, 0.0, 0.0);
             described.bodies[1].linear_velocity = DVec3::ZERO;
             described.accuracy = Accuracy::Hulls;
             described.pairs = vec![pair(&[], of_pair)];
-            let mut app = plugged(&effects);
+            let mut app = plugged(&[effect]);
             SpawnScene::new(&described).unwrap().spawn(world(&mut app));
             steps(&mut app, 1);
             let report = report(&app);
-            assert_eq!(report.answers.len() + report.estimates.len(), 1, "{of_pair:?}");
+            let what = format!("{stated:?} of the effect, {of_pair:?} of the pair");
+            assert_eq!(report.answers.len() + report.estimates.len(), 1, "{what}");
             let level = report.estimates.first().map(|estimate| estimate.accuracy);
-            assert_eq!(level, expected, "{of_pair:?} in a scene of hulls");
+            assert_eq!(level, expected, "{what}");
         }
     }
 }
@@ -243,6 +253,19 @@ fn the_hash_of_a_scene_knows_levels_and_budgets() {
     let others = others.into_iter().chain([budget(Some(5)), budget(Some(6))]);
     let hashes: BTreeSet<String> = others.map(|options| hash(&options)).chain([exact]).collect();
     assert_eq!(hashes.len(), 6);
+    // What an effect states and what a pair states are parts of the scene.
+    let stating = |accuracy, of_pair| {
+        let mut scene = gate(&[Effect::Trigger { accuracy: Some(accuracy) }]);
+        scene.pairs = vec![pair(&[Effect::TRIGGER], of_pair)];
+        let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+        steps(&mut app, 1);
+        app.finish().unwrap().scene_hash
+    };
+    let of_effects = [Accuracy::Hulls, Accuracy::Caps].map(|level| stating(level, None));
+    let of_pairs = [Accuracy::Boxes, Accuracy::Tree(2)];
+    let of_pairs = of_pairs.map(|level| stating(Accuracy::Hulls, Some(level)));
+    let hashes: BTreeSet<String> = of_effects.into_iter().chain(of_pairs).collect();
+    assert_eq!(hashes.len(), 4);
 }
 
 #[test]
@@ -279,6 +302,34 @@ fn what_would_change_nothing_is_refused_by_name() {
             "`accuracy: Hulls` of the pair 'gate' and 'guest' changes nothing: Penetration needs",
         ),
         (
+            refused(
+                |scene| {
+                    let coarse = Effect::Trigger { accuracy: Some(Accuracy::Caps) };
+                    scene.bodies[0].effects = vec![coarse, Effect::Penetration];
+                },
+                &[],
+            ),
+            "`Trigger(accuracy: Caps)` of body 'gate' changes nothing: Penetration needs",
+        ),
+        (
+            refused(
+                |scene| {
+                    let coarse = NEAR.stating(Some(Accuracy::Boxes));
+                    scene.pairs = vec![pair(&[coarse, Effect::Penetration], None)];
+                },
+                &[],
+            ),
+            "`Proximity(accuracy: Boxes)` of the pair 'gate' and 'guest' changes nothing: Penet",
+        ),
+        // A sensor is tracked as others are: within a budget it would never be certain to touch.
+        (
+            refused(
+                |scene| (scene.budget, scene.bodies[0].sensor) = (Some(100), true),
+                &[Effect::TRIGGER, Effect::Tracking { tolerance: 0.1 }],
+            ),
+            "`budget: 100` changes nothing: Tracking needs",
+        ),
+        (
             refused(|scene| scene.pairs = vec![pair(&[], Some(Accuracy::Hulls))], &[]),
             "`accuracy: Hulls` of the pair 'gate' and 'guest' changes nothing: only Trigger",
         ),
@@ -303,6 +354,14 @@ fn with_a_solver_levels_are_for_sensors() {
     assert!(error.contains("Response needs exact contacts"), "{error}");
     scene.bodies[0].sensor = true;
     let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+    // What explains a scene and what answers have one rule here, too.
+    assert!(app.step().unwrap());
+    let app_world = world(&mut app);
+    let table = app_world.resource::<EffectTable>().clone();
+    let ids: Vec<BodyId> = table.bodies().collect();
+    assert_eq!(table.accuracy_of(ids[0], ids[1]), Some(Accuracy::Hulls));
+    let mut detector = app_world.resource_mut::<Detector>();
+    assert_eq!(detector.world().accuracy_of(ids[0], ids[1]), Ok(Accuracy::Hulls));
     let mut certain = Vec::new();
     while app.step().unwrap() {
         certain.extend(messages::<CollisionStart>(&app).iter().map(|start| start.is_certain));

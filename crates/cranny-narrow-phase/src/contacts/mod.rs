@@ -44,8 +44,21 @@ use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
 
+/// Where a body has fewer faces, contacts of an overlap are those of its regions. More: curves are
+/// followed for what vertices and edges say as well; fewer: sides that overlap lose the contacts
+/// where an edge of one passes over an edge of the other, since vertices inside alone are seen
+/// then. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
+/// (`a_hook_holds_at_an_edge`).
+const SMALL: usize = 64;
+
+/// Whether the contacts of an overlap of two bodies are those of its regions, which are no part of
+/// what [`near_patches`] finds.
+pub(crate) fn is_small(pair: &Pair) -> bool {
+    Side::BOTH.iter().any(|&side| pair.mesh(side).faces().len() < SMALL)
+}
+
 /// Order of contacts: the nearest first, ties by lowest features.
-fn nearer(x: &Contact, y: &Contact) -> std::cmp::Ordering {
+pub(crate) fn nearer(x: &Contact, y: &Contact) -> std::cmp::Ordering {
     x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id))
 }
 
@@ -61,7 +74,8 @@ pub(crate) struct Near {
 /// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
-/// solids overlap, a search of one nearest point for each vertex inside.
+/// solids overlap, a search of one nearest point for each vertex inside, but for small bodies
+/// ([`is_small`]).
 pub(crate) fn near_patches(
     pair: &Pair,
     wanted: &Wanted,
@@ -72,7 +86,10 @@ pub(crate) fn near_patches(
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
     let mut contacts = Vec::new();
     if surface == Meeting::Cross {
-        let mut deep = Overlaps::of(pair, coarse, &meeting, counters);
+        let mut deep = match is_small(pair) {
+            true => Overlaps::none(pair, coarse),
+            false => Overlaps::of(pair, coarse, &meeting, counters),
+        };
         memory.each_group(pair, wanted, counters, |group| {
             let mut of_group = deep.take(group.patches());
             if coarse.holds(pair, group.patches()) {

@@ -47,6 +47,11 @@ pub(super) struct Overlaps<'p, 'm> {
 }
 
 impl<'p, 'm> Overlaps<'p, 'm> {
+    /// None.
+    pub(super) fn none(pair: &'p Pair<'m>, coarse: Coarse) -> Self {
+        Self { pair, coarse, groups: BTreeMap::new() }
+    }
+
     /// That vertices and edges about the crossing faces make.
     pub(super) fn of(
         pair: &'p Pair<'m>,
@@ -54,7 +59,7 @@ impl<'p, 'm> Overlaps<'p, 'm> {
         meeting: &[FacePair],
         counters: &mut Counters,
     ) -> Self {
-        let mut found = Self { pair, coarse, groups: BTreeMap::new() };
+        let mut found = Self::none(pair, coarse);
         let mut surfaces = Side::BOTH.map(|side| NearestOn::of(pair, side));
         for side in Side::BOTH {
             if pair.model(side.other()).is_closed() {

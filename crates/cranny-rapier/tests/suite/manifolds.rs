@@ -74,9 +74,7 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option
         Placed { model: a, pose: Pose::IDENTITY },
         Placed { model: b, pose: pose_from_rapier(pose) },
     );
-    // Of meshes of few faces regions are computed.
-    let fine = [a.model, b.model].iter().all(|m| m.mesh().faces().len() >= 64);
-    let ask = Query::of(if fine { Demand::contacts(margin) } else { Demand::Regions { margin } });
+    let ask = Query::of(Demand::contacts(margin));
     let answer = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
     for region in &answer.regions {
         let mut directions: Vec<DVec3> = Vec::new();

@@ -193,11 +193,12 @@ fn depths_stay_within_their_bounds() {
 
 fn bounds_of_depths(most_parts: usize) {
     let options = SimulationOptions { most_parts, ..SimulationOptions::default() };
-    let (mut simulation, models) = cups(options);
+    let (mut simulation, mut models) = cups(options);
     if most_parts > 1 {
         // Far away a plate flies at a wall, which divides the steps in which it arrives.
         let far = DVec3::new(0.0, 50.0, 10.0);
         let [wall, plate] = [cuboid(1.0, 4.0, 4.0), cuboid(0.1, 1.0, 1.0)];
+        models.extend([wall.clone(), plate.clone()]);
         let wall = spec(&wall, BodyKind::Fixed, far + 8.0 * DVec3::X);
         let plate = spec(&plate, BodyKind::Dynamic, far);
         simulation.insert(&wall).expect("a body");
