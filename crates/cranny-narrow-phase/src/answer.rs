@@ -41,8 +41,7 @@ pub struct Answer {
     pub witnesses: Option<[Witness; 2]>,
     /// Contacts for a solver, each with its own normal.
     pub contacts: Vec<Contact>,
-    /// Connected regions of contact, overlapping ones first. Of [`Demand::Contacts`](crate::Demand)
-    /// those of which its contacts are made, if any.
+    /// Connected regions of contact, overlapping ones first.
     pub regions: Vec<Region>,
     /// Triangle pairs that meet.
     pub triangle_pairs: u32,

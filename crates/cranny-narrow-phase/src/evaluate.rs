@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
 use crate::approach::Approach;
 use crate::coherent::Coherent;
-use crate::contacts::{ContactMemory, Wanted, is_small, near_patches};
+use crate::contacts::{ContactMemory, Wanted, near_patches, overlaps_by_regions};
 use crate::containment::{Solidity, solidity};
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
@@ -79,9 +79,9 @@ pub fn query(
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
-            // What regions of other bodies say leads out of a whole overlap, and is no surface's.
+            // What regions say leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
-                && (found.regions.is_empty() || is_small(pair))
+                && found.regions.is_empty()
             {
                 smooth.replace_normals(&mut found.contacts, [a, b], crease_angle)?;
             }
@@ -267,7 +267,7 @@ fn contacts(
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
-    let left_to_regions = out.surface == Meeting::Cross && is_small(pair);
+    let left_to_regions = out.surface == Meeting::Cross && overlaps_by_regions(pair.models());
     if solid && (left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.
@@ -275,7 +275,9 @@ fn contacts(
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
-        out.regions = regions;
+        if !left_to_regions {
+            out.regions = regions;
+        }
     }
     out.separation = if solid && out.surface != Meeting::None {
         Interval { lo: f64::NEG_INFINITY, hi: 0.0 }

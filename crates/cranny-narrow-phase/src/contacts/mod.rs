@@ -51,10 +51,11 @@ use crate::surface::FacePair;
 /// (`a_hook_holds_at_an_edge`).
 const SMALL: usize = 64;
 
-/// Whether the contacts of an overlap of two bodies are those of its regions, which are no part of
-/// what [`near_patches`] finds.
-pub(crate) fn is_small(pair: &Pair) -> bool {
-    Side::BOTH.iter().any(|&side| pair.mesh(side).faces().len() < SMALL)
+/// Whether [`Demand::Contacts`](crate::Demand) makes the contacts of an overlap of two models from
+/// its regions: where one of them has fewer than 64 faces.
+#[must_use]
+pub fn overlaps_by_regions(models: [&Model; 2]) -> bool {
+    models.iter().any(|model| model.mesh().faces().len() < SMALL)
 }
 
 /// Order of contacts: the nearest first, ties by lowest features.
@@ -74,8 +75,8 @@ pub(crate) struct Near {
 /// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
-/// solids overlap, a search of one nearest point for each vertex inside, but for small bodies
-/// ([`is_small`]).
+/// solids overlap, a search of one nearest point for each vertex inside. Contacts of an overlap
+/// are left out where they are those of its regions ([`overlaps_by_regions`]).
 pub(crate) fn near_patches(
     pair: &Pair,
     wanted: &Wanted,
@@ -86,7 +87,7 @@ pub(crate) fn near_patches(
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
     let mut contacts = Vec::new();
     if surface == Meeting::Cross {
-        let mut deep = match is_small(pair) {
+        let mut deep = match overlaps_by_regions(pair.models()) {
             true => Overlaps::none(pair, coarse),
             false => Overlaps::of(pair, coarse, &meeting, counters),
         };
