@@ -19,7 +19,7 @@ use crate::paths::velocities;
 const SPEED_CUTOFF: f64 = 1.0;
 
 /// Linear and angular, world axes.
-type Velocities = [DVec3; 2];
+type Speeds = [DVec3; 2];
 
 /// What the filter knows after some poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +28,10 @@ pub(super) struct Filtered {
     pub(super) time: f64,
     pub(super) pose: Pose,
     /// Of the filtered poses.
-    velocities: Velocities,
+    velocities: Speeds,
     /// The paper's, for the cutoff alone: from a filtered pose to the next one as it came. The
     /// filtered poses lag, so it is too fast.
-    estimated: Velocities,
+    estimated: Speeds,
 }
 
 impl Filtered {
@@ -75,7 +75,7 @@ fn share_of(cutoff: f64, passed: f64) -> f64 {
 }
 
 /// What a low pass makes of velocities.
-fn mean(old: Velocities, new: Velocities, share: f64) -> Velocities {
+fn mean(old: Speeds, new: Speeds, share: f64) -> Speeds {
     [old[0].lerp(new[0], share), old[1].lerp(new[1], share)]
 }
 
