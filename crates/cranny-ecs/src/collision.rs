@@ -9,7 +9,7 @@ use cranny_world::BodyId;
 
 use crate::body::{Bodies, Body, pose_of, widened};
 use crate::contacts::ContactReport;
-use crate::effects::{EffectKind, EffectTable, Pair, ordered};
+use crate::effects::{EffectTable, Pair, ordered};
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::trigger::TriggeredPairs;
 
@@ -254,9 +254,7 @@ impl Collisions<'_, '_> {
         let ids = [body, other].map(|entity| self.ids.get(entity).ok().map(|body| body.id));
         let [Some(a), Some(b)] = ids else { return false };
         let triggered = self.triggered.as_ref().is_some_and(|t| t.touches(ordered(a, b)));
-        let imprecise =
-            self.effects.tolerance(a, b).is_some() && self.effects.asks(EffectKind::Trigger, a, b);
-        if imprecise {
+        if self.effects.tracked(a, b).is_some() {
             return triggered;
         }
         triggered

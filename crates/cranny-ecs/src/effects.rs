@@ -370,14 +370,15 @@ impl EffectTable {
         margins.reduce(f64::max)
     }
 
-    /// To what tolerance the poses of a pair are known; `None` where nobody states one.
+    /// The tolerance within which contacts of a pair neither begin nor end: of those that ask for
+    /// `Trigger` and `Tracking`; `None` for others.
     #[must_use]
-    pub fn tolerance(&self, a: BodyId, b: BodyId) -> Option<f64> {
+    pub fn tracked(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let tolerances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
             Effect::Tracking { tolerance } => Some(tolerance),
             _ => None,
         });
-        tolerances.reduce(f64::max)
+        tolerances.reduce(f64::max).filter(|_| self.asks(EffectKind::Trigger, a, b))
     }
 
     /// The speed above which a pair is heard; `None` where nobody asks for it.

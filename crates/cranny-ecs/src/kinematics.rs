@@ -91,7 +91,7 @@ fn follow_velocities(
 }
 
 /// The pose after `dt` seconds at constant velocity of the centre and constant spin.
-fn moved(pose: &Pose, center: DVec3, [linear, angular]: [DVec3; 2], dt: f64) -> Pose {
+pub(crate) fn moved(pose: &Pose, center: DVec3, [linear, angular]: [DVec3; 2], dt: f64) -> Pose {
     let turned = DQuat::from_scaled_axis(dt * angular) * pose.rotation;
     let rotation = turned * (1.0 / turned.length());
     let center_in_world = pose.world_from_body().apply(center) + dt * linear;

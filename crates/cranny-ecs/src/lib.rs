@@ -171,12 +171,12 @@ pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
     JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TrackedSummary, TrackingSummary, TriggerSummary,
+    Skipped, TrackingSummary, TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, EstimateTally, Series, Tally};
 pub use tracking::{
-    ComparedContacts, PoseRefused, SimulatedTracker, SimulatedTrackersPlugin, TrackedContacts,
-    TrackedPose, Tracker, TrackerCounts, TrackingLog, TrackingPlugin, TrackingSystems,
+    PoseRefused, SimulatedTracker, SimulatedTrackersPlugin, TrackedContacts, TrackedPose, Tracker,
+    TrackerCounts, TrackingLog, TrackingPlugin, TrackingSystems,
 };
 pub use trigger::{
     CollisionEnd, CollisionStart, Fired, TouchingBodies, TriggerLog, TriggerPlugin, TriggerSystems,

@@ -20,7 +20,7 @@ use cranny_render::{
     Camera, DrawList, Ground, Image, ImageSize, Instance, RenderError, Renderer, Shading, Style,
 };
 use cranny_world::BodyId;
-use cranny_world::description::SceneDescription;
+use cranny_world::description::{Effect, SceneDescription};
 
 pub use self::cameras::{DEFAULT_CAMERA, NamedCamera};
 use self::coats::Coats;
@@ -89,6 +89,8 @@ pub struct ScenePainter {
     cameras: Vec<NamedCamera>,
     ground: Ground,
     quality: PictureQuality,
+    /// Whether an effect of the scene makes contacts that can be drawn.
+    has_contacts: bool,
     /// Stationary bodies that have hidden moving ones: they stay faded, so that nothing flickers.
     faded: BTreeSet<BodyId>,
     /// What the last close-up showed.
@@ -96,6 +98,11 @@ pub struct ScenePainter {
     /// The greatest so far: arrows and colours keep their scale.
     impulse_max: f64,
     depth_max: f64,
+}
+
+/// Whether moments hold what an effect finds.
+fn makes_contacts(effect: &Effect) -> bool {
+    matches!(effect, Effect::Contacts { .. } | Effect::Response)
 }
 
 impl ScenePainter {
@@ -117,6 +124,7 @@ impl ScenePainter {
             cameras: cameras::of_scene(scene, &room, size)?,
             ground: cameras::ground(scene, &instances),
             quality,
+            has_contacts: scene.all_effects().any(makes_contacts),
             faded: BTreeSet::new(),
             focus: None,
             impulse_max: 0.0,

@@ -131,7 +131,7 @@ fn has_arrived(from: &Pose, to: &Pose, reach: f64) -> bool {
 
 /// The velocities that lead from one pose to another in `dt` seconds; the linear one is that of the
 /// centre of mass, given in the body's frame.
-fn velocities(from: &Pose, to: &Pose, center: DVec3, dt: f64) -> [DVec3; 2] {
+pub(crate) fn velocities(from: &Pose, to: &Pose, center: DVec3, dt: f64) -> [DVec3; 2] {
     let at = |pose: &Pose| pose.world_from_body().apply(center);
     let turn = to.rotation * from.rotation.conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };

@@ -365,7 +365,7 @@ fn with_parameters(
     let parameters = match kind {
         EffectKind::Proximity => one("within", table.proximity(a, b)),
         EffectKind::Contacts => one("margin", table.contact_margin(a, b)),
-        EffectKind::Tracking => one("tolerance", table.tolerance(a, b)),
+        EffectKind::Tracking => one("tolerance", table.tracked(a, b)),
         EffectKind::Response => smooth.then(|| "normals: smooth".to_owned()),
         EffectKind::Sound => one("above", table.heard_above(a, b)),
         EffectKind::ForceFeedback => {
@@ -399,7 +399,8 @@ fn group_of(
             .filter(|(effect, _)| EffectKind::of(effect) == Some(kind))
             .map(|(_, by)| by)
             .collect();
-        if asked.is_empty() {
+        let is_unread = kind == EffectKind::Tracking && table.tracked(a, b).is_none();
+        if asked.is_empty() || is_unread {
             continue;
         }
         match kind {
@@ -431,9 +432,8 @@ fn group_of(
     let asks = |kind: EffectKind| table.asks(kind, a, b);
     let solver = asks(EffectKind::Response);
     // The world answers these, unless the solver's answer holds what they read.
-    let [near, overlap, imprecise] =
-        [EffectKind::Proximity, EffectKind::Penetration, EffectKind::Tracking].map(asks);
-    let more = near || overlap || imprecise;
+    let [near, overlap] = [EffectKind::Proximity, EffectKind::Penetration].map(asks);
+    let more = near || overlap || table.tracked(a, b).is_some();
     let reported = near || overlap || asks(EffectKind::Trigger) || asks(EffectKind::Contacts);
     let detected_by = match (solver, reported) {
         (true, true) if !exact_solver || more => "solver and world",

@@ -14,10 +14,10 @@ use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
     JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TrackedSummary, TrackingSummary, TriggerSummary,
+    Skipped, TriggerSummary,
 };
 use crate::tally::{DeepestSoFar, EstimateTally, Series, Tally};
-use crate::tracking::{TrackedContacts, TrackingLog};
+use crate::tracking::TrackingLog;
 use crate::trigger::{Fired, TriggerLog};
 
 /// What is known of a run before it begins, and whether it was broken off.
@@ -124,7 +124,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         deepest,
         first_overlap: tally.first_overlap.filter(|_| tally.depths_known).map(overlap),
         triggers: triggers(world, &bodies),
-        tracking: tracking(world),
+        tracking: world.get_resource().map(TrackingLog::bodies).unwrap_or_default(),
         left: left(world, &bodies),
         contained,
         energy_drift,
@@ -175,33 +175,6 @@ fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
         step,
     })
     .collect()
-}
-
-fn tracking(world: &World) -> Vec<TrackingSummary> {
-    let beside = |seen: TrackedContacts| TrackedSummary {
-        contacts: seen.contacts,
-        spurious: seen.spurious,
-        repeated: seen.repeated,
-        late: seen.late,
-        missed: seen.missed,
-        merged: seen.merged,
-        latency_steps: seen.latency,
-        end_latency_steps: seen.end_latency,
-    };
-    let log = world.get_resource::<TrackingLog>().map(TrackingLog::bodies).unwrap_or_default();
-    log.into_iter()
-        .map(|compared| TrackingSummary {
-            body: compared.body,
-            truth: compared.truth,
-            raw: beside(compared.raw),
-            filtered: beside(compared.reported),
-            poses: compared.poses.reported,
-            late: compared.poses.late,
-            missing: compared.missing,
-            lost: compared.poses.lost,
-            uncompared: compared.uncompared,
-        })
-        .collect()
 }
 
 fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {

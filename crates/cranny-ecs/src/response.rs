@@ -266,7 +266,7 @@ fn supply_answers(
         // A solver's answer need hold no distance and no regions, nor reach as far as a tolerance.
         let more = effects.proximity(a, b).is_some()
             || effects.asks(EffectKind::Penetration, a, b)
-            || effects.tolerance(a, b).is_some();
+            || effects.tracked(a, b).is_some();
         if read && !more {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             let cranny_rapier::PairContacts { poses, first_is_a, first_from_second, .. } = *pair;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::clock::PhaseTimes;
+use crate::tracking::TrackedContacts;
 
 /// Summary of a run. Its JSON is the last line that `cranny run --format json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -153,47 +154,31 @@ pub struct TriggerSummary {
 }
 
 /// What tracking made of a body's contacts, with all others together.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct TrackingSummary {
     /// Its name.
     pub body: String,
-    /// Contacts of the true motion.
+    /// Contacts of the true motion. With another body whose device is simulated they are those of
+    /// both true motions, and count for the body of the lower id.
     pub truth: usize,
-    /// Of the poses as they came.
-    pub raw: TrackedSummary,
-    /// Of the filtered poses, within the tolerance: what triggers say.
-    pub filtered: TrackedSummary,
+    /// Of the poses as they came, without filtering.
+    pub raw: TrackedContacts,
+    /// Of the filtered poses, within the tolerance: what [`CollisionStart`](crate::CollisionStart)
+    /// and [`CollisionEnd`](crate::CollisionEnd) say.
+    pub filtered: TrackedContacts,
     /// Poses that came.
     pub poses: u64,
     /// Of them those that were too late.
     pub late: u64,
+    /// Of them those that were refused for other reasons.
+    pub refused: u64,
     /// Poses that never came.
     pub missing: u64,
     /// How often it was lost.
     pub lost: u64,
-    /// Other bodies with which nothing is compared, since the solver moves them.
+    /// Other bodies with which nothing is compared, since the solver moves them: where they were
+    /// without the device's errors is not known.
     pub uncompared: usize,
-}
-
-/// Contacts beside those of the true motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct TrackedSummary {
-    /// All.
-    pub contacts: usize,
-    /// Of them those during which the true motion touches nothing there.
-    pub spurious: usize,
-    /// Of them those that are further parts of one true contact.
-    pub repeated: usize,
-    /// Of them those that begin after the true contact has ended, by smoothing.
-    pub late: usize,
-    /// True contacts deeper than twice the tolerance that are not among them.
-    pub missed: usize,
-    /// Those as deep during which the contact of another true one goes on.
-    pub merged: usize,
-    /// Steps from when a true contact is so deep until it is among them, at most.
-    pub latency_steps: u64,
-    /// Steps from when a true contact ends until it does among them, at most.
-    pub end_latency_steps: u64,
 }
 
 /// A body that left the world.

@@ -26,7 +26,7 @@ use bevy_ecs::system::SystemParam;
 use cranny_narrow_phase::Answer;
 use cranny_world::{BodyId, PairAnswer};
 
-pub use self::comparison::{ComparedContacts, TrackingLog};
+pub use self::comparison::TrackingLog;
 pub use self::device::{SimulatedTracker, SimulatedTrackersPlugin};
 pub use self::judged::TrackedContacts;
 pub use self::tracker::{PoseRefused, TrackedPose, Tracker, TrackerCounts};
@@ -36,7 +36,7 @@ use crate::detection::{Detected, DetectionSystems};
 use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::paths::{Led, Steering};
-use crate::trigger::TriggerSystems;
+use crate::trigger::{TriggerSystems, TriggeredPairs};
 
 /// The systems of `Tracking`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,7 +68,7 @@ pub struct TrackingPlugin;
 
 impl Plugin for TrackingPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<CertainPairs>();
+        app.init_resource::<CertainPairs>().init_resource::<TriggeredPairs>();
         app.add_systems(
             CrannyStep,
             lead.run_if(any_with_component::<Tracker>)
@@ -109,25 +109,23 @@ fn lead(
 struct Evidence<'w, 's> {
     effects: Res<'w, EffectTable>,
     bodies: Res<'w, Bodies>,
+    triggered: Res<'w, TriggeredPairs>,
     trackers: Query<'w, 's, &'static Tracker, With<Body>>,
     #[cfg(feature = "rapier")]
     solver: Option<Res<'w, crate::solved::RigidBodies>>,
 }
 
 impl Evidence<'_, '_> {
-    /// Whether a pair touches, if it did or did not before; `None` where it has no trigger
-    /// or no tolerance.
-    fn touches(&self, pair: &PairAnswer, before: bool) -> Option<bool> {
+    /// Whether a pair with a tolerance touches: a contact begins or goes on.
+    fn touches(&self, pair: &PairAnswer) -> bool {
         let (a, b, answer) = (pair.a, pair.b, &pair.answer);
-        let tolerance = self.effects.tolerance(a, b)?;
-        if !self.effects.asks(EffectKind::Trigger, a, b) {
-            return None;
-        }
+        let Some(tolerance) = self.effects.tracked(a, b) else { return false };
         let certain = is_beyond(answer, tolerance) || self.presses(a, b);
-        Some(match before {
-            true => certain || is_near(answer, tolerance) || answer.touches(),
-            false => certain && !self.is_lost(a) && !self.is_lost(b),
-        })
+        if self.triggered.touches((a, b)) {
+            certain || is_near(answer, tolerance) || answer.touches()
+        } else {
+            certain && !self.is_lost(a) && !self.is_lost(b)
+        }
     }
 
     fn is_lost(&self, body: BodyId) -> bool {
@@ -171,10 +169,6 @@ fn decide(
     let _running = stopwatch.start(EffectKind::Tracking);
     let Some(report) = &detected.report else { return };
     // Pairs without an answer are farther apart than any tolerance.
-    let touching = report.answers.iter().filter(|pair| {
-        let before = certain.0.contains(&(pair.a, pair.b));
-        evidence.touches(pair, before) == Some(true)
-    });
-    let touching = touching.map(|pair| (pair.a, pair.b)).collect();
-    certain.0 = touching;
+    let touching = report.answers.iter().filter(|pair| evidence.touches(pair));
+    certain.0 = touching.map(|pair| (pair.a, pair.b)).collect();
 }

@@ -234,7 +234,7 @@ fn report_collisions(
     let touches = report.touching.iter().copied();
     let touches = touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b));
     // Of poses that are imprecise the verdict is no evidence.
-    let precise = touches.filter(|&(a, b)| effects.tolerance(a, b).is_none());
+    let precise = touches.filter(|&(a, b)| effects.tracked(a, b).is_none());
     let now: BTreeSet<Pair> = precise.chain(certain.iter().flat_map(|c| c.iter())).collect();
     let before = std::mem::replace(&mut triggered.touching, now);
     triggered.changed = before.symmetric_difference(&triggered.touching).copied().collect();

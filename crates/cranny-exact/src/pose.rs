@@ -22,6 +22,11 @@ const SNAP: f64 = 4.0 * f64::EPSILON;
 /// are refused.
 const UNIT_SLACK: f64 = 1e-5;
 
+/// By how much the length of a quaternion of few digits may differ from 1 and still be meant as a
+/// rotation. Larger: four numbers that are none pass for one; smaller: what was written with two
+/// digits, or measured in half precision, is refused.
+const NEARLY_UNIT: f64 = 0.01;
+
 /// By how much `RᵀR` of an accepted matrix may differ from 1. Larger, and a scaled or sheared body
 /// passes for a rigid one; smaller, and matrices written with seven digits are refused.
 const GRAM_SLACK: f64 = 1e-6;
@@ -40,6 +45,12 @@ pub enum PoseError {
         "rotation quaternion has length {length}: it must be 1 (to within five parts in a million)"
     )]
     NotUnit {
+        /// Length found.
+        length: f64,
+    },
+    /// The quaternion's length is not even nearly 1.
+    #[error("rotation quaternion has length {length}: it must be 1 (to within 1 %)")]
+    FarFromUnit {
         /// Length found.
         length: f64,
     },
@@ -106,6 +117,23 @@ impl Pose {
             Ok(Self { rotation: rotation * (1.0 / length), translation })
         } else {
             Err(PoseError::NotUnit { length })
+        }
+    }
+
+    /// A validated pose of a quaternion that was written or measured with few digits. It is
+    /// normalised.
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError`] where the quaternion's length differs from 1 by more than 1 % or the
+    /// translation is out of domain.
+    pub fn of_few_digits(rotation: DQuat, translation: DVec3) -> Result<Self, PoseError> {
+        check_point(translation)?;
+        let length = rotation.length();
+        if (length - 1.0).abs() <= NEARLY_UNIT {
+            Ok(Self { rotation: rotation * (1.0 / length), translation })
+        } else {
+            Err(PoseError::FarFromUnit { length })
         }
     }
 
@@ -377,6 +405,19 @@ mod tests {
         assert!(matches!(of_length(1.0 + 2e-5), Err(PoseError::NotUnit { .. })));
         assert!(of_length(0.0).is_err() && of_length(f64::NAN).is_err());
         assert!(Pose::at(DVec3::splat(f64::NAN)).accepted().is_err());
+    }
+
+    #[test]
+    fn a_quaternion_of_few_digits_is_normalised_and_four_numbers_are_refused() {
+        let of = |length| Pose::of_few_digits(DQuat::IDENTITY * length, DVec3::X);
+        for length in [0.991, 1.0, 1.009] {
+            assert_eq!(of(length), Ok(Pose::at(DVec3::X)));
+        }
+        for length in [0.0, 0.98, 1.02, f64::NAN, f64::INFINITY] {
+            assert!(matches!(of(length), Err(PoseError::FarFromUnit { .. })), "{length}");
+        }
+        let far = Pose::of_few_digits(DQuat::IDENTITY, DVec3::X * f64::NAN);
+        assert!(matches!(far, Err(PoseError::Domain(_))));
     }
 
     #[test]

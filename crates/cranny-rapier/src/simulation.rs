@@ -112,6 +112,7 @@ impl Simulation {
         let mut parameters = IntegrationParameters {
             dt: options.step as Real,
             length_unit: options.length_unit as Real,
+            normalized_max_linear_velocity: Real::MAX,
             ..IntegrationParameters::default()
         };
         parameters.num_solver_iterations = options.substeps();

@@ -7,18 +7,22 @@
 use std::io::{self, Error, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 use clap::Args;
-
 use cpu_time::ProcessTime;
 use cranny_ecs::{RunOptions, SceneApp};
+use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_scene::load_scene;
-use cranny_world::description::Effect;
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, PathEnd,
+    SceneDescription, SimulatedDevice, TrackerDescription, TrackerSettings,
+};
 
 /// Which scene, and for how long.
 #[derive(Debug, Args)]
 pub(crate) struct EffectsArgs {
-    /// The scene; its own effects are left out
+    /// The scene; its own effects are left out, and a body that is led through it is added
     #[arg(value_name = "SCENE", default_value = "assets/scenes/mixed_pile.ron")]
     scene: PathBuf,
 
@@ -56,16 +60,53 @@ fn measured() -> Vec<(&'static str, Vec<Effect>)> {
         ("`Deformation(hardness: 100, radius: 0.3)`", DENTS),
         ("`ForceFeedback(stiffness: 500)`", Effect::ForceFeedback { stiffness: 500.0 }),
     ];
-    let tracking = Effect::Tracking { tolerance: 0.01 };
-    let all = alone.iter().map(|(_, effect)| *effect).chain([tracking]).collect();
+    let all = alone.iter().map(|(_, effect)| *effect).chain([TRACKING]).collect();
     let mut rows = vec![("`Response()`", Vec::new())];
     rows.extend(alone.into_iter().map(|(name, effect)| (name, vec![effect])));
-    rows.push(("`Tracking(tolerance: 0.01)`, `Trigger()`", vec![Effect::TRIGGER, tracking]));
+    rows.push(("`Tracking(tolerance: 0.01)`, `Trigger()`", vec![Effect::TRIGGER, TRACKING]));
     rows.push(("all of them", all));
     rows
 }
 
+const TRACKING: Effect = Effect::Tracking { tolerance: 0.01 };
+
 const DENTS: Effect = Effect::Deformation { hardness: 100.0, radius: 0.3 };
+
+/// Measures the hand, where it is tracked.
+const DEVICE: SimulatedDevice = SimulatedDevice {
+    rate: 120.0,
+    jitter: 0.01,
+    latency: 0.005,
+    latency_spread: 0.005,
+    dropouts: 0.05,
+    occlusions: 0.0,
+    occluded_for: 0.0,
+    seed: 1,
+};
+
+/// A body like the first that falls, which somebody leads once through all of them, near the
+/// bottom: without one nobody feels a force, and no pose is tracked.
+fn hand(scene: &SceneDescription, is_tracked: bool) -> Result<BodyDescription, String> {
+    let moving = || scene.bodies.iter().filter(|body| body.kind == BodyKind::Dynamic);
+    let first = moving().next().ok_or("a scene without a body that falls")?;
+    let places = Aabb::of_points(moving().map(|body| body.pose.translation));
+    let (low, high) = (places.min, places.max);
+    let start = DVec3::new(low.x, 0.5 * (low.y + high.y), low.z + 0.1 * (high.z - low.z));
+    let end = DVec3 { x: high.x, ..start };
+    let key = |time, place| Keyframe { time, pose: Pose::at(place) };
+    let keys = vec![key(0.0, start), key(scene.duration, end)];
+    let path = KeyframedPath::new(keys, Interpolation::Linear, PathEnd::Hold);
+    let tracker = TrackerDescription { settings: TrackerSettings::default(), device: DEVICE };
+    Ok(BodyDescription {
+        name: "hand".to_owned(),
+        kind: BodyKind::Kinematic,
+        pose: Pose::at(start),
+        path: Some(Arc::new(path.map_err(|error| error.to_string())?)),
+        tracker: is_tracked.then_some(tracker),
+        mass: None,
+        ..first.clone()
+    })
+}
 
 /// Milliseconds a step and MiB of one row.
 #[derive(Clone, Copy)]
@@ -83,6 +124,9 @@ fn measure(scene: &Path, row: usize, steps: u64) -> io::Result<String> {
     description.effects = [&[Effect::Response][..], effects].concat();
     description.bodies.iter_mut().for_each(|body| body.effects.clear());
     description.duration = description.step * steps as f64;
+    let is_tracked = description.effects.contains(&TRACKING);
+    let hand = hand(&description, is_tracked).map_err(Error::other)?;
+    description.bodies.push(hand);
     let mut app = SceneApp::new(&description, &RunOptions::default()).map_err(Error::other)?;
     let start = ProcessTime::now();
     while app.step().map_err(Error::other)? {}

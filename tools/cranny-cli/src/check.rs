@@ -8,6 +8,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::run::failure;
 use crate::scene_file::load;
+use crate::words::counted;
 
 /// What a right scene holds.
 #[derive(Debug, Serialize)]
@@ -57,17 +58,14 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
 }
 
 fn text(summary: &CheckSummary) -> String {
-    let counted = |count: usize, one: &str, many: &str| {
-        format!("{count} {}", if count == 1 { one } else { many })
-    };
     let warnings: String =
         summary.warnings.iter().map(|warning| format!("\nwarning: {warning}")).collect();
     format!(
         "ok: {}: {}, {}, {}, {}{warnings}",
         summary.scene,
-        counted(summary.bodies, "body", "bodies"),
-        counted(summary.joints, "joint", "joints"),
-        counted(summary.effects, "effect", "effects"),
-        counted(summary.cameras, "camera", "cameras"),
+        counted(summary.bodies, "body"),
+        counted(summary.joints, "joint"),
+        counted(summary.effects, "effect"),
+        counted(summary.cameras, "camera"),
     )
 }

@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::run::failure;
 use crate::scene_file::load;
+use crate::words::counted;
 
 /// The plan of a scene under its name.
 #[derive(Debug, Serialize)]
@@ -48,11 +49,17 @@ pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), 
 
 /// The plan for people.
 fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
-    let mut out = format!("scene {scene}: {bodies} bodies\n\neffects");
+    let mut out = format!("scene {scene}: {}", counted(bodies, "body"));
     let mut add = |line: String| {
         out.push('\n');
         out.push_str(&line);
     };
+    let budget = plan.budget.map_or(String::new(), |tests| {
+        format!(" ({tests} tests a step for those of which triggers and distances alone are asked)")
+    });
+    add(format!("\npairs{budget}"));
+    plan.pairs.iter().for_each(|group| add(pairs(group)));
+    add("\neffects".to_owned());
     if plan.effects.is_empty() {
         add("  none".to_owned());
     }
@@ -68,11 +75,6 @@ fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
             add(format!("  {number:>2}  {:<34} {sets}", system.name));
         }
     }
-    let budget = plan.budget.map_or(String::new(), |tests| {
-        format!(" ({tests} tests a step for those of which triggers and distances alone are asked)")
-    });
-    add(format!("\npairs{budget}"));
-    plan.pairs.iter().for_each(|group| add(pairs(group)));
     add("\nabsent: no system, component, message or resource of".to_owned());
     for effect in &plan.absent {
         add(format!("  {}: {}", effect.name, effect.why));

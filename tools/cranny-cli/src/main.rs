@@ -32,6 +32,7 @@ mod run;
 mod scene_file;
 mod stability;
 mod verify;
+mod words;
 
 use std::process::ExitCode;
 

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
     ContactFields, DeepestSummary, EstimateSummary, JointSummary, LeftSummary, PairsFound,
-    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TrackedSummary,
-    TrackingSummary, TriggerSummary, check_outputs, helices, rings,
+    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError,
+    TrackedContacts, TrackingSummary, TriggerSummary, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 
@@ -18,6 +18,7 @@ use crate::output::Output;
 use crate::paths::check_output;
 use crate::progress::RunProgress;
 use crate::scene_file::load;
+use crate::words::counted;
 
 /// Things of a kind that the text summary lists; the JSON lists all.
 const LISTED: usize = 8;
@@ -216,9 +217,10 @@ fn text(summary: &RunSummary) -> String {
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
         let end = if energy.loss < 0.0 { "above" } else { "below" };
         let value = format!(
-            "at most {:.3} % above its start, {:.3} % {end} it at the end",
+            "at most {:.3} % above its start, {:.3} % {end} it at the end; 100 % is {:.6}, the greatest kinetic energy or change of potential energy",
             100.0 * drift,
-            100.0 * energy.loss.abs()
+            100.0 * energy.loss.abs(),
+            energy.scale
         );
         lines.add("energy", value);
     }
@@ -283,24 +285,27 @@ fn more(lines: &mut Lines, heading: &'static str, what: &str, all: usize) {
 
 /// What tracking made of a body's contacts.
 fn add_tracking(lines: &mut Lines, tracked: &TrackingSummary) {
-    let TrackingSummary { body, truth, poses, late, missing, lost, uncompared, .. } = tracked;
+    let TrackingSummary { body, truth, poses, late, refused, missing, lost, .. } = tracked;
+    let [truth, lost] = [counted(*truth, "contact"), counted(*lost, "time")];
+    let poses = counted(*poses, "pose");
     lines.add(
         "tracking",
-        format!("{body} truly makes {truth} contacts; {poses} poses came, {late} of them too late, {missing} did not, {lost} times it was lost"),
+        format!("{body} truly makes {truth}; {poses} came, {late} of them too late and {refused} refused; {missing} did not; it was lost {lost}"),
     );
     for (poses, seen) in [("raw", &tracked.raw), ("filtered", &tracked.filtered)] {
-        let TrackedSummary { contacts, spurious, repeated, late, missed, merged, .. } = seen;
-        let [begin, end] = [seen.latency_steps, seen.end_latency_steps];
+        let TrackedContacts {
+            contacts, spurious, repeated, cut_short, late, missed, merged, ..
+        } = seen;
+        let [begin, end] =
+            [seen.latency_steps, seen.end_latency_steps].map(|steps| counted(steps, "step"));
         lines.add(
             "tracking",
-            format!("{poses} poses make {contacts}: {spurious} spurious, {repeated} repeated, {late} after the true one, {missed} missed, {merged} merged; they begin up to {begin} steps late and end up to {end}"),
+            format!("{poses} poses make {contacts}: {spurious} spurious, {repeated} repeated, {cut_short} cut short, {late} after the true one, {missed} missed, {merged} merged; they begin up to {begin} late and end up to {end} late"),
         );
     }
-    if *uncompared > 0 {
-        lines.add(
-            "tracking",
-            format!("{uncompared} bodies are not compared: the solver moves them"),
-        );
+    if tracked.uncompared > 0 {
+        let others = counted(tracked.uncompared, "body");
+        lines.add("tracking", format!("not compared: {others} that the solver moves"));
     }
 }
 

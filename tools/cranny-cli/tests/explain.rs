@@ -72,7 +72,7 @@ fn scenes_that_differ_by_one_effect_differ_by_its_systems() {
 }
 
 #[test]
-fn the_text_tells_effects_systems_pairs_and_what_is_absent() {
+fn the_text_has_pairs_first_then_effects_systems_and_what_is_absent() {
     let text = String::from_utf8(explain("Response(), Trigger()", &[]).stdout).unwrap();
     for word in [
         "Response: named by the scene",
@@ -87,6 +87,9 @@ fn the_text_tells_effects_systems_pairs_and_what_is_absent() {
     ] {
         assert!(text.contains(word), "{word:?} is missing in\n{text}");
     }
+    let at = |heading: &str| text.find(&format!("\n{heading}")).unwrap();
+    let order = ["pairs", "effects", "CrannyStep", "CrannyEnd", "absent"].map(at);
+    assert!(order.is_sorted(), "{text}");
 }
 
 #[test]

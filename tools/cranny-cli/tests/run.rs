@@ -484,8 +484,10 @@ fn contacts_of_a_tracked_body_are_counted_beside_the_truth() {
     let [stylus] = line["tracking"].as_array().unwrap().as_slice() else { panic!("{line}") };
     let count = |way: &str, what: &str| stylus[way][what].as_u64().unwrap();
     assert_eq!((&stylus["body"], &stylus["truth"]), (&"stylus".into(), &3.into()), "{stylus}");
-    let filtered = ["contacts", "spurious", "repeated", "missed"].map(|s| count("filtered", s));
-    assert_eq!(filtered, [3, 0, 0, 0], "{stylus}");
+    let wrong = ["spurious", "repeated", "cut_short", "late", "missed"];
+    assert_eq!(count("filtered", "contacts"), 3, "{stylus}");
+    assert_eq!(wrong.map(|wrong| count("filtered", wrong)), [0; 5], "{stylus}");
+    assert_eq!(stylus["refused"], 0, "{stylus}");
     assert!(count("raw", "spurious") > 20 && count("raw", "repeated") > 0, "{stylus}");
     let [trigger] = line["triggers"].as_array().unwrap().as_slice() else { panic!("{line}") };
     assert_eq!(trigger["times"], 3);
@@ -493,7 +495,10 @@ fn contacts_of_a_tracked_body_are_counted_beside_the_truth() {
     assert_ne!(run_json(scene, &["--quiet", "--seed", "2"])["state_hash"], line["state_hash"]);
     let text = cranny(&["run", scene, "--quiet"]);
     let text = str::from_utf8(&text.stdout).unwrap();
-    for said in ["stylus truly makes 3 contacts", "filtered poses make 3: 0 spurious, 0 repeated"] {
+    for said in [
+        "stylus truly makes 3 contacts; ",
+        "filtered poses make 3: 0 spurious, 0 repeated, 0 cut short",
+    ] {
         assert!(text.contains(said), "{said:?} is missing in {text}");
     }
 }

@@ -237,7 +237,8 @@ fn is_as_deep(contact: &Contact, least: &Contact) -> bool {
 const NEARLY: f64 = 0.5;
 
 /// Where nothing meets: the pair that is nearest, with its distance as a contact across a gap. A
-/// question of the painter's own, about as many pairs as [`look_into`] takes.
+/// question of the painter's own, about as many pairs as [`look_into`] takes. `None` where some
+/// touch, of which nobody has computed contacts.
 pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
     let placed = || coats.iter().filter_map(|(id, c)| Some((id, c, moment.poses.get(&id)?)));
     let mut near = Vec::new();
@@ -254,13 +255,17 @@ pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
     if near.len() > PAIRS_LOOKED_INTO {
         return None;
     }
-    let distances = near.into_iter().filter_map(|([a, b], models, poses)| {
+    let found = near.into_iter().filter_map(|([a, b], models, poses)| {
         let [placed_a, placed_b] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
         let question = Query::of(Demand::Distance { below: None });
         let answer = query(placed_a, placed_b, &question, &mut PairMemory::default()).ok()?;
         Some(MeetingPair { a, b, answer, impulse: 0.0 })
     });
-    distances.filter_map(with_witnesses).min_by(|a, b| {
+    let found: Vec<_> = found.collect();
+    if found.iter().any(|pair: &MeetingPair| pair.answer.touches()) {
+        return None;
+    }
+    found.into_iter().filter_map(with_witnesses).min_by(|a, b| {
         let separation = |pair: &MeetingPair| pair.answer.contacts[0].separation;
         separation(a).total_cmp(&separation(b))
     })

@@ -69,7 +69,13 @@ impl ScenePainter {
             panels[1].title.insert_str(0, "the circle: ");
         }
         let keys = self.keys(&moment, focus.as_ref());
-        let caption = vec![caption(&self.coats, &moment, nearest.as_ref(), focus.as_ref())];
+        let caption = vec![caption(
+            &self.coats,
+            &moment,
+            nearest.as_ref(),
+            focus.as_ref(),
+            self.has_contacts,
+        )];
         self.focus = focus;
         let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
         sheet.compose().map_err(|error| failed(error.to_string()))
@@ -140,7 +146,8 @@ impl ScenePainter {
             }
             (bodies, None) => {
                 let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
-                format!("{} cut open; nothing is near", names.join(" and "))
+                let why = if self.has_contacts { "nothing is near" } else { UNCOMPUTED };
+                format!("{} cut open; {why}", names.join(" and "))
             }
         }
     }
@@ -166,6 +173,9 @@ fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 
+/// Why a picture of bodies that touch shows no contact.
+const UNCOMPUTED: &str = "contacts are not computed: no effect needs them";
+
 /// When, how many contacts, how deep; how near where nothing overlaps; and what is shown, where
 /// that is another contact.
 fn caption(
@@ -173,11 +183,13 @@ fn caption(
     moment: &Moment,
     nearest: Option<&MeetingPair>,
     focus: Option<&Focus>,
+    has_contacts: bool,
 ) -> String {
     let points: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let count = match moment.pairs.len() {
-        0 => "no contacts".to_owned(),
+        0 if has_contacts => "no contacts".to_owned(),
+        0 => UNCOMPUTED.to_owned(),
         pairs => format!("{} of {}", plural(points, "contact"), plural(pairs, "pair")),
     };
     let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
@@ -214,6 +226,14 @@ mod tests {
     use cranny_exact::DVec3;
     use cranny_geometry::VertexId;
     use cranny_narrow_phase::Feature;
+
+    #[test]
+    fn what_is_not_computed_is_not_said_to_be_absent() {
+        let words =
+            |has_contacts| caption(&Coats::default(), &Moment::default(), None, None, has_contacts);
+        assert_eq!(words(true), "t = 0.000 s; no contacts");
+        assert_eq!(words(false), "t = 0.000 s; contacts are not computed: no effect needs them");
+    }
 
     #[test]
     fn a_contact_that_is_not_the_extreme_one_is_named() {

@@ -2,6 +2,7 @@
 //! body as it was shown.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
 use std::sync::{Mutex, PoisonError};
 
 use bevy_ecs::prelude::*;
@@ -9,9 +10,10 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::Pose;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query as PairQuery, query};
+use cranny_world::description::TrackerDescription;
 use cranny_world::{BodyId, WorldError};
 
-use super::judged::{Stretches, TrackedContacts, Window, judged};
+use super::judged::{Stretches, TrueContacts, Window, judged};
 use super::{SimulatedTracker, Tracker, TrackerCounts, is_beyond};
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::SimulatedTime;
@@ -19,39 +21,30 @@ use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable, ordered};
 use crate::error::Failure;
 use crate::properties::RigidBody;
+use crate::summary::TrackingSummary;
 use crate::trigger::TriggeredPairs;
 
-/// What became of the contacts of a body.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ComparedContacts {
-    /// The body's name.
-    pub body: String,
-    /// Contacts of the true motion. With another body whose device is simulated they are those of
-    /// both true motions, and count for the body of the lower id.
-    pub truth: usize,
-    /// Of the poses as they arrive, without filtering.
-    pub raw: TrackedContacts,
-    /// Of what [`CollisionStart`](crate::CollisionStart) and
-    /// [`CollisionEnd`](crate::CollisionEnd) say.
-    pub reported: TrackedContacts,
-    /// What became of its poses.
-    pub poses: TrackerCounts,
-    /// Poses that never came.
-    pub missing: u64,
-    /// Other bodies with which nothing is compared, since the solver moves them: where they were
-    /// without the device's errors is not known.
-    pub uncompared: usize,
-}
-
 /// A tracked body beside another one.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Compared {
-    /// As they arrive, and as they are shown.
+    /// As poses arrive, and as they are shown.
     windows: [Window; 2],
-    truth: Stretches,
+    truth: TrueContacts,
     raw: Stretches,
     reported: Stretches,
     memories: [PairMemory; 2],
+}
+
+impl Compared {
+    fn new(timings: &Timings) -> Self {
+        Self {
+            windows: timings.windows,
+            truth: TrueContacts::new(timings.long),
+            raw: Stretches::default(),
+            reported: Stretches::default(),
+            memories: Default::default(),
+        }
+    }
 }
 
 /// Of one tracked body.
@@ -71,39 +64,32 @@ pub struct TrackingLog(Mutex<BTreeMap<BodyId, ComparedBody>>);
 impl TrackingLog {
     /// One a tracked body, by ids, over all others together.
     #[must_use]
-    pub fn bodies(&self) -> Vec<ComparedContacts> {
+    pub fn bodies(&self) -> Vec<TrackingSummary> {
         let bodies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        bodies.values().map(ComparedBody::compared).collect()
+        bodies.values().map(ComparedBody::summary).collect()
     }
 }
 
 impl ComparedBody {
-    fn compared(&self) -> ComparedContacts {
-        let mut sum = ComparedContacts {
+    fn summary(&self) -> TrackingSummary {
+        let TrackerCounts { reported, late, refused, lost } = self.poses;
+        let mut sum = TrackingSummary {
             body: self.name.clone(),
-            poses: self.poses,
+            poses: reported,
+            late,
+            refused,
             missing: self.missing,
+            lost,
             uncompared: self.uncompared.len(),
-            ..ComparedContacts::default()
+            ..TrackingSummary::default()
         };
         for Compared { windows, truth, raw, reported, .. } in self.others.values() {
-            sum.truth += truth.all.len();
-            add(&mut sum.raw, &judged(&truth.all, &raw.all, windows[0]));
-            add(&mut sum.reported, &judged(&truth.all, &reported.all, windows[1]));
+            sum.truth += truth.stretches.all.len();
+            sum.raw = sum.raw.join(judged(truth, raw, windows[0]));
+            sum.filtered = sum.filtered.join(judged(truth, reported, windows[1]));
         }
         sum
     }
-}
-
-fn add(total: &mut TrackedContacts, one: &TrackedContacts) {
-    total.contacts += one.contacts;
-    total.spurious += one.spurious;
-    total.repeated += one.repeated;
-    total.late += one.late;
-    total.missed += one.missed;
-    total.merged += one.merged;
-    total.latency = total.latency.max(one.latency);
-    total.end_latency = total.end_latency.max(one.end_latency);
 }
 
 /// A body whose device is simulated.
@@ -131,11 +117,40 @@ pub(super) fn compare(
     for tracked in &present.devices {
         let (body, device, tracker, _) = tracked;
         let Some(record) = present.bodies.get(body.id) else { continue };
-        let kept = log.entry(body.id).or_default();
-        kept.name.clone_from(&record.name);
+        let named = || ComparedBody { name: record.name.clone(), ..ComparedBody::default() };
+        let kept = log.entry(body.id).or_insert_with(named);
         (kept.poses, kept.missing) = (tracker.counts(), device.missing());
         failure.note(present.compare_all(kept, tracked));
     }
+}
+
+/// A time that is a whole number of steps but for this share of it is one. Smaller: quotients of
+/// decimal fractions miss it; larger: what is a little longer loses the step that it needs.
+const ROUNDING: f64 = 1e-9;
+
+/// What depends on devices and settings alone.
+#[derive(Clone, Copy, Debug)]
+struct Timings {
+    /// As poses arrive, and as they are shown.
+    windows: [Window; 2],
+    /// How many steps in a row a contact has to be deep, so that a device measures it.
+    long: u64,
+}
+
+impl Timings {
+    /// Of a pair of two.
+    fn join(self, other: Option<Self>) -> Self {
+        let Some(other) = other else { return self };
+        let [raw, shown] = self.windows;
+        let windows = [raw.join(other.windows[0]), shown.join(other.windows[1])];
+        Self { windows, long: self.long.max(other.long) }
+    }
+}
+
+/// How many samples, a step apart, surely span one of a device whose poses are so many steps apart.
+/// Where that is a whole number, each of its poses is measured at a step.
+fn samples_across(steps: f64) -> u64 {
+    if steps.fract() == 0.0 { steps as u64 } else { steps.ceil() as u64 + 1 }
 }
 
 /// A body at its true pose, and at the one that arrived last.
@@ -148,14 +163,11 @@ struct BothPoses<'a> {
 impl Present<'_, '_> {
     /// Compares a body with all others, but those beside which it counts already.
     fn compare_all(&self, kept: &mut ComparedBody, own: Tracked) -> Result<(), WorldError> {
-        let Some(body) = self.tracked(own) else { return Ok(()) };
+        let Some(body) = self.both_poses(own) else { return Ok(()) };
         let pushes = self.effects.names(EffectKind::Response);
         for (entity, other, at, kind) in &self.transforms {
             let pair = ordered(body.id, other.id);
-            let Some(tolerance) = self.effects.tolerance(pair.0, pair.1) else { continue };
-            if !self.effects.asks(EffectKind::Trigger, pair.0, pair.1) {
-                continue;
-            }
+            let Some(tolerance) = self.effects.tracked(pair.0, pair.1) else { continue };
             let partner = self.devices.get(entity).ok();
             if partner.is_some() && other.id < body.id {
                 continue;
@@ -166,52 +178,44 @@ impl Present<'_, '_> {
             }
             let Some(record) = self.bodies.get(other.id) else { continue };
             let still = BothPoses { id: other.id, record, poses: [pose_of(at); 2] };
-            let seen = partner.and_then(|partner| self.tracked(partner)).unwrap_or(still);
-            let compared = kept.others.entry(other.id).or_default();
-            let devices = [Some(own), partner].into_iter().flatten();
-            self.set_windows(compared, devices);
+            let seen = partner.and_then(|partner| self.both_poses(partner)).unwrap_or(still);
+            let timings = || self.timings(own).join(partner.map(|partner| self.timings(partner)));
+            let new = || Compared::new(&timings());
+            let compared = kept.others.entry(other.id).or_insert_with(new);
             self.note(compared, [&body, &seen], tolerance)?;
         }
         Ok(())
     }
 
-    fn tracked(&self, (body, device, _, transform): Tracked) -> Option<BothPoses<'_>> {
+    fn both_poses(&self, (body, device, _, transform): Tracked) -> Option<BothPoses<'_>> {
         let raw = device.arrived().unwrap_or_else(|| pose_of(transform));
         let poses = [device.truth(self.time.seconds()), raw];
         self.bodies.get(body.id).map(|record| BothPoses { id: body.id, record, poses })
     }
 
-    /// How old poses of a pair are, and how long a contact has to be deep to be seen.
-    fn set_windows<'a>(&self, pair: &mut Compared, devices: impl Iterator<Item = Tracked<'a>>) {
-        let ages = devices.map(|(_, device, tracker, _)| {
-            pair.truth.long = pair.truth.long.max(self.steps(1.0 / device.device().rate));
-            self.windows(device, tracker)
-        });
-        let joined = ages.reduce(|a, b| [a[0].join(b[0]), a[1].join(b[1])]);
-        pair.windows = joined.unwrap_or_default();
-    }
-
     /// How old a pose is as it arrives, and as the body is shown at it.
-    fn windows(&self, device: &SimulatedTracker, tracker: &Tracker) -> [Window; 2] {
-        let (settings, device) = (tracker.settings(), device.device());
+    fn timings(&self, (_, device, tracker, _): Tracked) -> Timings {
+        let (settings, device) = (*tracker.settings(), *device.device());
         // A low pass shows a step to 1 - 1/e after 1 / (2 pi cutoff), and nearly all after thrice.
-        let lag = settings.smoothing.map_or(0.0, |s| 3.0 / (std::f64::consts::TAU * s.min_cutoff));
-        let whole = |seconds: f64| (seconds / self.time.step()).floor() as u64;
-        let arriving = device.greatest_age();
-        [
-            Window { least: whole(device.latency), most: self.steps(arriving), lag: 0 },
-            Window {
-                least: whole(device.latency.max(settings.delay)),
-                // The body gets there by the end of the step.
-                most: self.steps(arriving + settings.delay) + 1,
-                lag: self.steps(lag),
-            },
-        ]
+        let lag = settings.smoothing.map_or(0.0, |s| 3.0 / (TAU * s.min_cutoff));
+        let window = |least, most, lag| Window {
+            least: self.steps(least).floor() as u64,
+            most: self.steps(most).ceil() as u64,
+            lag: self.steps(lag).ceil() as u64,
+        };
+        let shown = TrackerDescription { settings, device }.greatest_age(self.time.step());
+        let windows = [
+            window(device.latency, device.greatest_age(), 0.0),
+            window(device.latency.max(settings.delay), shown, lag),
+        ];
+        Timings { windows, long: samples_across(self.steps(1.0 / device.rate)) }
     }
 
-    /// So many steps take at least so long.
-    fn steps(&self, seconds: f64) -> u64 {
-        (seconds / self.time.step()).ceil() as u64
+    /// In how many steps so long passes, a whole number to rounding.
+    fn steps(&self, seconds: f64) -> f64 {
+        let steps = seconds / self.time.step();
+        let whole = steps.round();
+        if (steps - whole).abs() <= ROUNDING * whole { whole } else { steps }
     }
 
     /// Takes note of a pair in this step.
@@ -229,9 +233,9 @@ impl Present<'_, '_> {
         let is_deep = real.as_ref().is_some_and(|real| is_beyond(real, deep));
         let touches = |answer: &Option<Answer>| answer.as_ref().is_some_and(Answer::touches);
         compared.truth.note(step, touches(&real), is_deep);
-        compared.raw.note(step, touches(&seen), false);
+        compared.raw.note(step, touches(&seen));
         let reported = self.triggered.touches(ordered(pair[0].id, pair[1].id));
-        compared.reported.note(step, reported, false);
+        compared.reported.note(step, reported);
         Ok(())
     }
 }
@@ -248,7 +252,20 @@ fn answer(
     if a.pose.translation.distance(b.pose.translation) > reach {
         return Ok(None);
     }
-    let [of_a, of_b] = pair.map(|seen| seen.record.name.clone());
-    let answer = query(a, b, &PairQuery::of(demand), memory);
-    answer.map(Some).map_err(|source| WorldError::Query { a: of_a, b: of_b, source })
+    query(a, b, &PairQuery::of(demand), memory).map(Some).map_err(|source| {
+        let [a, b] = pair.map(|seen| seen.record.name.clone());
+        WorldError::Query { a, b, source }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::samples_across;
+
+    /// Two samples span one step, three span two.
+    #[test]
+    fn deep_samples_span_a_measurement() {
+        let spanned = [1.0, 4.0, 0.5, 1.5, 2.25].map(samples_across);
+        assert_eq!(spanned, [1, 4, 2, 3, 4]);
+    }
 }

@@ -167,7 +167,9 @@ fn simulate(
 
 #[cfg(test)]
 mod tests {
-    use cranny_world::description::{Interpolation, Keyframe, PathEnd};
+    use cranny_world::description::{
+        Interpolation, Keyframe, PathEnd, TrackerDescription, TrackerSettings,
+    };
 
     use super::*;
 
@@ -200,8 +202,11 @@ mod tests {
     #[test]
     fn no_point_is_misplaced_farther_than_stated_and_some_nearly_so() {
         let (tracker, all) = run(device(), 2.0);
-        let mut worst = 0.0_f64;
+        let (mut worst, mut shift, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (_, sample) in &all {
+            let place = tracker.truth(sample.time).translation;
+            shift = shift.max(sample.pose.translation.distance(place));
+            turn = turn.max(2.0 * sample.pose.rotation.xyz().length());
             let truth = tracker.truth(sample.time).world_from_body();
             for point in [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| 2.0 * axis) {
                 let seen = sample.pose.world_from_body().apply(point);
@@ -209,6 +214,8 @@ mod tests {
             }
         }
         assert!(worst <= 0.25 && worst > 0.2, "{worst}");
+        assert!(shift <= 0.25 && shift > 0.15, "{shift}");
+        assert!(turn <= 0.125 && turn > 0.075, "{turn}");
     }
 
     #[test]
@@ -224,6 +231,55 @@ mod tests {
         let mut sorted = times;
         sorted.sort_by(f64::total_cmp);
         assert!(sorted.windows(2).any(|w| w[1] - w[0] >= 0.3), "it was hidden once");
+    }
+
+    /// The greatest ages of the pose that arrived last, and of the one that is shown, on a path whose
+    /// x is the time; then their bounds.
+    fn ages(settings: TrackerSettings, device: SimulatedDevice, step: f64) -> [[f64; 2]; 2] {
+        let description = TrackerDescription { settings, device };
+        description.check(step).unwrap();
+        let key = |time| Keyframe { time, pose: Pose::at(DVec3::X * time) };
+        let path =
+            KeyframedPath::new(vec![key(0.0), key(100.0)], Interpolation::Linear, PathEnd::Hold);
+        let mut measures = SimulatedTracker::new(Arc::new(path.unwrap()), device, 0.0);
+        let mut tracker = Tracker::new(settings).unwrap();
+        let mut ages = [0.0_f64; 2];
+        for now in (0..2000u32).map(|i| f64::from(i) * step) {
+            let mut last = None;
+            for sample in measures.arrivals(now, 1.0) {
+                last = Some(sample.pose);
+                let _ = tracker.report(sample);
+            }
+            measures.arrived = last.or(measures.arrived);
+            let shown =
+                tracker.advance(now + step, 1.0).map(|shown| now + step - shown.pose.translation.x);
+            let raw = measures.arrived().map(|pose| now - pose.translation.x);
+            for (age, seen) in ages.iter_mut().zip([raw, shown]) {
+                *age = seen.filter(|_| now > 1.0).map_or(*age, |seen| age.max(seen));
+            }
+        }
+        [ages, [device.greatest_age(), description.greatest_age(step)]]
+    }
+
+    #[test]
+    fn no_pose_is_older_than_stated_as_it_arrives_or_is_shown() {
+        for (delay, latency, latency_spread, rate, step) in [
+            (0.0, 0.0, 0.0, 30.0, 0.01),
+            (0.0, 0.02, 0.05, 100.0, 0.01),
+            (0.0, 0.02, 0.1, 20.0, 0.01),
+            (0.03, 0.02, 0.1, 50.0, 0.004),
+            (0.15, 0.02, 0.1, 50.0, 0.004),
+        ] {
+            let settings = TrackerSettings { delay, lost_after: 1.0, ..Default::default() };
+            let perfect =
+                SimulatedDevice { jitter: 0.0, dropouts: 0.0, occlusions: 0.0, ..device() };
+            let device = SimulatedDevice { latency, latency_spread, rate, ..perfect };
+            let [ages, bounds] = ages(settings, device, step);
+            for (kind, (age, bound)) in ages.into_iter().zip(bounds).enumerate() {
+                assert!(age <= bound + 1e-9, "{kind}: {age} of {bound}, {settings:?} {device:?}");
+                assert!(age > 0.45 * bound, "{kind}: {age} of {bound}, {settings:?} {device:?}");
+            }
+        }
     }
 
     #[test]

@@ -6,14 +6,20 @@
 
 use std::f64::consts::TAU;
 
-use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_exact::{DVec3, Pose};
+use cranny_impact::Motion;
 use cranny_world::description::OneEuro;
 
 use super::TrackedPose;
+use crate::kinematics::moved;
+use crate::paths::velocities;
 
-/// The cutoff of the speed, hertz, that of the paper. Higher: jitter counts as speed, and raises
-/// the cutoff of the pose; lower: the filter lags where the body begins to move.
+/// The cutoff of speeds, hertz, that of the paper. Higher: jitter counts as speed, and raises the
+/// cutoff of the pose; lower: the filter lags where the body begins to move.
 const SPEED_CUTOFF: f64 = 1.0;
+
+/// Linear and angular, world axes.
+type Speeds = [DVec3; 2];
 
 /// What the filter knows after some poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,15 +27,18 @@ pub(super) struct Filtered {
     /// Of the newest pose, seconds.
     pub(super) time: f64,
     pub(super) pose: Pose,
-    linear: DVec3,
-    angular: DVec3,
+    /// Of the filtered poses.
+    velocities: Speeds,
+    /// The paper's, for the cutoff alone: from a filtered pose to the next one as it came. The
+    /// filtered poses lag, so it is too fast.
+    estimated: Speeds,
 }
 
 impl Filtered {
     /// Nothing is known before.
     pub(super) fn first(sample: &TrackedPose) -> Self {
         let TrackedPose { time, pose } = *sample;
-        Self { time, pose, linear: DVec3::ZERO, angular: DVec3::ZERO }
+        Self { time, pose, velocities: [DVec3::ZERO; 2], estimated: [DVec3::ZERO; 2] }
     }
 
     /// After one pose more, which is a later one. No point of the body is farther than `reach` from
@@ -41,24 +50,21 @@ impl Filtered {
         reach: f64,
     ) -> Self {
         let passed = sample.time - self.time;
-        let moved = (sample.pose.translation - self.pose.translation) / passed;
-        let turned = nearer(self.pose.rotation, sample.pose.rotation);
-        let turned = (turned * self.pose.rotation.conjugate()).to_scaled_axis() / passed;
         let share = share_of(SPEED_CUTOFF, passed);
-        let (linear, angular) = (self.linear.lerp(moved, share), self.angular.lerp(turned, share));
-        let speed = linear.length() + reach * angular.length();
-        let share = smoothing.map_or(1.0, |OneEuro { min_cutoff, per_speed }| {
-            share_of(min_cutoff + per_speed * speed, passed)
+        let to = |pose: &Pose| velocities(&self.pose, pose, DVec3::ZERO, passed);
+        let estimated = mean(self.estimated, to(&sample.pose), share);
+        let pose = smoothing.map_or(sample.pose, |OneEuro { min_cutoff, per_speed }| {
+            let speed = estimated[0].length() + reach * estimated[1].length();
+            let share = share_of(min_cutoff + per_speed * speed, passed);
+            Motion::between(self.pose, sample.pose, DVec3::ZERO).pose_at(share)
         });
-        let pose = blend(&self.pose, &sample.pose, share);
-        Self { time: sample.time, pose, linear, angular }
+        let velocities = mean(self.velocities, to(&pose), share);
+        Self { time: sample.time, pose, velocities, estimated }
     }
 
     /// Where the body is some seconds later if it goes on as it does.
     pub(super) fn extrapolated(&self, seconds: f64) -> Pose {
-        let turned = DQuat::from_scaled_axis(seconds * self.angular) * self.pose.rotation;
-        let rotation = turned * (1.0 / turned.length());
-        Pose { rotation, translation: self.pose.translation + seconds * self.linear }
+        moved(&self.pose, DVec3::ZERO, self.velocities, seconds)
     }
 }
 
@@ -68,23 +74,15 @@ fn share_of(cutoff: f64, passed: f64) -> f64 {
     1.0 / (1.0 + 1.0 / (TAU * cutoff * passed))
 }
 
-/// Of the two quaternions of a rotation the one on the side of another.
-fn nearer(to: DQuat, q: DQuat) -> DQuat {
-    if to.dot(q) < 0.0 { -q } else { q }
-}
-
-/// A share of the way from one pose to another one near it. Rotations are blended along the chord,
-/// which between poses that follow each other is the arc.
-pub(super) fn blend(from: &Pose, to: &Pose, share: f64) -> Pose {
-    let sum = from.rotation * (1.0 - share) + nearer(from.rotation, to.rotation) * share;
-    let length = sum.length();
-    // Half a turn has no middle.
-    let rotation = if length > 0.0 { sum * (1.0 / length) } else { to.rotation };
-    Pose { rotation, translation: from.translation.lerp(to.translation, share) }
+/// What a low pass makes of velocities.
+fn mean(old: Speeds, new: Speeds, share: f64) -> Speeds {
+    [old[0].lerp(new[0], share), old[1].lerp(new[1], share)]
 }
 
 #[cfg(test)]
 mod tests {
+    use cranny_exact::DQuat;
+
     use super::*;
 
     const SMOOTHING: Option<OneEuro> = Some(OneEuro { min_cutoff: 1.0, per_speed: 0.5 });
@@ -118,11 +116,41 @@ mod tests {
             filtered = filtered.after(&TrackedPose { time, pose }, None, 1.0);
             assert!((filtered.pose.translation - pose.translation).length() < 1e-12);
         }
-        assert!((filtered.linear - 3.0 * DVec3::X).length() < 1e-6, "{}", filtered.linear);
-        assert!((filtered.angular + 2.0 * DVec3::Z).length() < 1e-6, "{}", filtered.angular);
+        let [linear, angular] = filtered.velocities;
+        assert!((linear - 3.0 * DVec3::X).length() < 1e-6, "{linear}");
+        assert!((angular + 2.0 * DVec3::Z).length() < 1e-6, "{angular}");
         let later = filtered.extrapolated(0.5);
         assert!((later.translation.x - 16.5).abs() < 1e-5, "{}", later.translation);
         assert!(later.rotation.dot(DQuat::from_rotation_z(-11.0)).abs() > 1.0 - 1e-9);
+    }
+
+    /// The paper's speed is taken from where the filter lags behind, so it is too fast.
+    #[test]
+    fn what_is_smoothed_is_extrapolated_at_its_own_speed() {
+        let mut filtered = Filtered::first(&sample(0.0, 0.0));
+        for i in 1..=200 {
+            let time = 0.01 * f64::from(i);
+            let rotation = DQuat::from_rotation_z(0.25 * time);
+            let pose = Pose { rotation, translation: DVec3::X * 0.3 * time };
+            filtered = filtered.after(&TrackedPose { time, pose }, SMOOTHING, 1.0);
+        }
+        let later = filtered.extrapolated(0.1);
+        let speed = (later.translation.x - filtered.pose.translation.x) / 0.1;
+        assert!((speed / 0.3 - 1.0).abs() < 0.05, "{speed}");
+        let turned = (later.rotation * filtered.pose.rotation.conjugate()).to_scaled_axis();
+        assert!((turned.z / 0.025 - 1.0).abs() < 0.05, "{turned}");
+    }
+
+    #[test]
+    fn what_is_smoothed_lags_by_the_cutoff_s_time() {
+        let smoothing = Some(OneEuro { min_cutoff: 0.8, per_speed: 0.0 });
+        let mut filtered = Filtered::first(&sample(0.0, 0.0));
+        for i in 1..=300 {
+            let time = 0.01 * f64::from(i);
+            filtered = filtered.after(&sample(time, time), smoothing, 0.0);
+        }
+        let lag = 3.0 - filtered.pose.translation.x;
+        assert!((lag - 1.0 / (TAU * 0.8)).abs() < 1e-6, "{lag}");
     }
 
     /// A mean of what came never goes beyond it, as a filter that predicts would.

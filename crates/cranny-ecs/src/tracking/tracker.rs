@@ -3,11 +3,14 @@
 use std::collections::VecDeque;
 
 use bevy_ecs::prelude::Component;
-use cranny_exact::{DQuat, Pose, PoseError};
+use cranny_exact::{DVec3, Pose, PoseError};
+use cranny_impact::Motion;
 use cranny_world::description::{TrackerError, TrackerSettings};
 use thiserror::Error;
 
-use super::filter::{Filtered, blend};
+use super::filter::Filtered;
+
+const MOST_WAITING: usize = TrackerSettings::MOST_WAITING;
 
 /// A pose that a device measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +32,7 @@ pub enum PoseRefused {
         time: f64,
     },
     /// A place or rotation that is none: not finite, out of the domain, or a quaternion whose
-    /// length is off 1 by 1 % or more.
+    /// length is off 1 by more than 1 %.
     #[error("it is no pose: {0}")]
     NoPose(PoseError),
     /// The body has been shown at a later one already.
@@ -54,14 +57,6 @@ pub enum PoseRefused {
     )]
     Crowded,
 }
-
-/// By how much a quaternion's length may be off 1 and still be meant as a rotation. Larger: four
-/// numbers that are none pass for one; smaller: devices that compute in half precision are refused.
-const NEARLY_UNIT: f64 = 0.01;
-
-/// How many poses wait for their time to come at most. More: a clock that is ahead fills memory;
-/// fewer: a device of 1 kHz cannot be delayed by seconds.
-const MOST_WAITING: usize = 4096;
 
 /// What became of the poses of a device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -137,7 +132,8 @@ impl Tracker {
         if !time.is_finite() {
             return Err(PoseRefused::NoTime { time });
         }
-        let pose = checked(&pose).map_err(PoseRefused::NoPose)?;
+        let pose = Pose::of_few_digits(pose.rotation, pose.translation);
+        let pose = pose.map_err(PoseRefused::NoPose)?;
         if let Some(known) = self.known.filter(|known| time <= known.time) {
             return Err(PoseRefused::Late { time, shown: known.time });
         }
@@ -202,7 +198,8 @@ impl Tracker {
         match next {
             Some(next) => {
                 let ahead = known.after(next, self.settings.smoothing, reach);
-                blend(&known.pose, &ahead.pose, age / (next.time - known.time))
+                let way = Motion::between(known.pose, ahead.pose, DVec3::ZERO);
+                way.pose_at(age / (next.time - known.time))
             }
             None if self.settings.extrapolate > 0.0 => {
                 known.extrapolated(age.min(self.settings.extrapolate))
@@ -212,17 +209,9 @@ impl Tracker {
     }
 }
 
-/// A pose as it was meant.
-fn checked(pose: &Pose) -> Result<Pose, PoseError> {
-    let length = pose.rotation.length();
-    let is_near = (length - 1.0).abs() < NEARLY_UNIT;
-    let rotation: DQuat = if is_near { pose.rotation * (1.0 / length) } else { pose.rotation };
-    Pose::checked(rotation, pose.translation)
-}
-
 #[cfg(test)]
 mod tests {
-    use cranny_exact::DVec3;
+    use cranny_exact::DQuat;
 
     use super::*;
 

@@ -6,6 +6,8 @@ mod build;
 mod collisions;
 mod comings;
 #[cfg(feature = "rapier")]
+mod continuous;
+#[cfg(feature = "rapier")]
 mod deformation;
 mod detection;
 mod entities;

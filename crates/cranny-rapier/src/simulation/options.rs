@@ -25,14 +25,16 @@ pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 /// | `num_solver_iterations` | substeps of [`SOLVER_SUBSTEP`], 1/960 s: 4 at 240 Hz, 16 at 60 Hz; or [`solver_iterations`](Self::solver_iterations) | they are rapier's substeps: with its default of 4 at 60 Hz a falling chain sinks in by half a link before it is stopped |
 /// | `contact_softness`, `static_contact_softness` | 30 and 60 Hz, times as many as substeps are shorter than [`SOLVER_SUBSTEP`] | with rapier's own, gravity presses a peg of millimetres into its floor by a quarter of its clearance |
 /// | `length_unit` | [`length_unit`](Self::length_unit); for a scene, unless stated, twice the volume per area of the thinnest moving body (about its thickness) | the prediction distance is 0.02 of it, and tolerances scale with it. Larger: the far flank of a groove joins in; smaller: bodies meet before they are seen |
+/// | `normalized_max_linear_velocity` | `Real::MAX`: no limit | rapier slows every body to 400 of `length_unit` a second: a ring of thin wire, which makes the unit small, would not fall faster than 4 |
 /// | `normalized_prediction_distance` | in each step as far as any two bodies near each other can come nearer in it; each pair has a reach of its own, as far as *its* bodies can. In an app of its own: before each step, at least twice what two bodies can come nearer in it, over `length_unit` (rapier loosens a box by half of it, and only when its body moves) | a fast body overlaps before it is stopped; one that falls along with another does not see that a third stops that one. rapier looks ahead by linear velocity alone: what spins or turns fast needs steps in which its rim moves by less than the prediction distance |
 /// | `dt` | [`step`](Self::step), in [parts](Self::most_parts) where bodies near each other move farther than the thinner is thick. In an app of its own: shorter steps | what slides past an edge or turns fast meets features that no search looked at: a chain of thin rings that snaps taut is twice as deep |
 /// | `soft_ccd_prediction` of a dynamic body | 0. In an app of its own that does not look ahead by the prediction distance: the body's radius | it leaves out pairs with boxes apart that approach each other only once one of them is stopped |
 /// | the rest | rapier's defaults | |
 ///
 /// With another detector rapier has its defaults, but for `dt` and `length_unit`, which the options
-/// state, `contact_recycling` and `num_solver_iterations`, which they may, and
-/// `soft_ccd_prediction`, which is a dynamic body's radius: rapier's own way to look ahead.
+/// state, `contact_recycling` and `num_solver_iterations`, which they may,
+/// `normalized_max_linear_velocity`, which would be of that unit, and `soft_ccd_prediction`, which
+/// is a dynamic body's radius: rapier's own way to look ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationOptions {
     /// Who detects contacts.

@@ -23,7 +23,7 @@ use super::syntax::{
     SceneFile, effects,
 };
 use super::values::Finite;
-use super::{LoadOptions, locate, mass, pile, place_robot};
+use super::{LoadOptions, locate, mass, pile, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
 type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
@@ -82,6 +82,7 @@ pub(super) fn assemble(
     for camera in &scene.cameras {
         assembly.camera(camera)?;
     }
+    assembly.warnings.extend(sensors::unread(&assembly.description));
     assembly.description.excluded_pairs.sort_unstable();
     assembly.description.excluded_pairs.dedup();
     Ok((assembly.description, assembly.files, [assembly.notes, assembly.warnings]))

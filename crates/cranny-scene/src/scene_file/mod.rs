@@ -32,6 +32,7 @@ mod mass;
 mod pile;
 mod place_robot;
 mod problem;
+mod sensors;
 mod syntax;
 mod tracker;
 mod values;

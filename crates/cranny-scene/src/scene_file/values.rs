@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Formatter};
 
-use cranny_exact::{DQuat, DVec3, Pose, check_point};
+use cranny_exact::{DQuat, DVec3, Pose, PoseError, check_point};
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
@@ -31,25 +31,14 @@ pub(super) struct Rotation {
     pub(super) length: Option<f64>,
 }
 
-/// By how much a quaternion's length may be off 1 and still be meant as a rotation. Larger: four
-/// numbers that are none pass for one; smaller: what was written with two digits is refused.
-const NEARLY_UNIT: f64 = 0.01;
-
 impl TryFrom<[f64; 4]> for Rotation {
-    type Error = String;
+    type Error = PoseError;
 
-    fn try_from(numbers: [f64; 4]) -> Result<Self, String> {
+    fn try_from(numbers: [f64; 4]) -> Result<Self, PoseError> {
         let quaternion = DQuat::from_array(numbers);
-        match Pose::checked(quaternion, DVec3::ZERO) {
-            Ok(pose) => Ok(Self { unit: pose.rotation, length: None }),
-            Err(error) => {
-                let length = quaternion.length();
-                let is_near = (length - 1.0).abs() <= NEARLY_UNIT;
-                let unit = quaternion * (1.0 / length);
-                let found = Self { unit, length: Some(length) };
-                is_near.then_some(found).ok_or_else(|| error.to_string())
-            }
-        }
+        let unit = Pose::of_few_digits(quaternion, DVec3::ZERO)?.rotation;
+        let is_precise = Pose::checked(quaternion, DVec3::ZERO).is_ok();
+        Ok(Self { unit, length: (!is_precise).then(|| quaternion.length()) })
     }
 }
 

@@ -379,6 +379,38 @@ fn an_orientation_is_written_in_one_of_three_ways() {
 }
 
 #[test]
+fn a_sensor_that_no_effect_reads_is_warned_of() {
+    let warnings = |gate: &str, ball: &str, rest: &str| {
+        let body = |name: &str, fields: &str| {
+            format!("(name: \"{name}\", shape: Generator(Cuboid()), kind: Kinematic, {fields})")
+        };
+        let gate = body("gate", &format!("sensor: true, {gate}"));
+        parse(&format!("(bodies: [{gate}, {}], {rest})", body("ball", ball))).unwrap().warnings
+    };
+    let unread = [
+        ("", "", ""),
+        ("", "", "effects: [Response()]"),
+        ("effects: [ForceFeedback(stiffness: 1)]", "", ""),
+        ("layers: [\"a\"]", "layers: [\"b\"], effects: [Trigger()]", ""),
+        ("", "effects: [Trigger()]", "pairs: [(a: \"gate\", b: \"ball\", collide: false)]"),
+    ];
+    for (gate, ball, rest) in unread {
+        let found = warnings(gate, ball, rest);
+        let [warning] = found.as_slice() else { panic!("{gate} {ball} {rest}: {found:?}") };
+        assert!(warning.starts_with("body \"gate\" is a sensor, and no effect"), "{warning}");
+    }
+    let read = [
+        ("", "", "effects: [Response(), Trigger()]"),
+        ("effects: [Contacts()]", "", ""),
+        ("", "effects: [Proximity(within: 1)]", ""),
+        ("", "", "pairs: [(a: \"ball\", b: \"gate\", effects: [Penetration()])]"),
+    ];
+    for (gate, ball, rest) in read {
+        assert_eq!(warnings(gate, ball, rest), [""; 0], "{gate} {ball} {rest}");
+    }
+}
+
+#[test]
 fn a_quaternion_of_few_digits_is_normalised_and_named() {
     let loaded = parse(&cup("rotation: (0.706, 0, 0, 0.706)")).unwrap();
     let rotation = loaded.description.bodies[0].pose.rotation;

@@ -40,7 +40,8 @@ pub struct OneEuro {
 /// A tracking device that is simulated: it measures a body on its path, and errs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulatedDevice {
-    /// Poses a second, > 0 and at most a million.
+    /// Poses a second, > 0; in a step and in the tracker's delay at most
+    /// [`TrackerSettings::MOST_WAITING`].
     pub rate: f64,
     /// By how much it misplaces a point of the body at most, units of length, >= 0: a random share
     /// by moving the body, the rest by turning it about its origin.
@@ -93,6 +94,18 @@ pub enum TrackerError {
         /// The limit.
         lost_after: f64,
     },
+    /// A device that measures more often than a tracker keeps poses.
+    #[error(
+        "`rate` is {rate}: up to {poses:.0} poses wait in a step and in `delay`, and no more than {most} may: lower `rate` or `delay`"
+    )]
+    TooManyWaiting {
+        /// Poses a second.
+        rate: f64,
+        /// How many would wait.
+        poses: f64,
+        /// [`TrackerSettings::MOST_WAITING`].
+        most: usize,
+    },
     /// A device whose every pose is too old when it comes.
     #[error(
         "its poses are {age} s old before the next one is shown, and it counts as lost after {lost_after} s: raise `lost_after` or `delay`"
@@ -105,46 +118,76 @@ pub enum TrackerError {
     },
 }
 
-const NOT_NEGATIVE: &str = "a finite number of at least 0";
-/// Larger: a step waits for ever for the poses of one device; smaller: a real one is refused.
-const GREATEST_RATE: f64 = 1e6;
-const POSITIVE: &str = "a finite number greater than 0";
+fn number(
+    name: &'static str,
+    value: f64,
+    range: &'static str,
+    is_in_range: bool,
+) -> Result<(), TrackerError> {
+    is_in_range.then_some(()).ok_or(TrackerError::Number { name, value, range })
+}
 
-fn check(name: &'static str, value: f64, range: &'static str) -> Result<(), TrackerError> {
-    let least = if range == POSITIVE { value > 0.0 } else { value >= 0.0 };
-    let held = least && value.is_finite();
-    held.then_some(()).ok_or(TrackerError::Number { name, value, range })
+fn not_negative(name: &'static str, value: f64) -> Result<(), TrackerError> {
+    number(name, value, "a finite number of at least 0", value >= 0.0 && value.is_finite())
+}
+
+fn positive(name: &'static str, value: f64) -> Result<(), TrackerError> {
+    number(name, value, "a finite number greater than 0", value > 0.0 && value.is_finite())
 }
 
 impl TrackerSettings {
+    /// How many poses wait for their time to come at most. More: a clock that is ahead fills
+    /// memory; fewer: a device of 1 kHz cannot be delayed by seconds.
+    pub const MOST_WAITING: usize = 4096;
+
     /// Whether all numbers are in range.
     ///
     /// # Errors
     ///
     /// [`TrackerError::Number`], [`TrackerError::ExtrapolatedLost`].
     pub fn check(&self) -> Result<(), TrackerError> {
-        check("delay", self.delay, NOT_NEGATIVE)?;
-        check("lost_after", self.lost_after, POSITIVE)?;
-        check("extrapolate", self.extrapolate, NOT_NEGATIVE)?;
+        not_negative("delay", self.delay)?;
+        positive("lost_after", self.lost_after)?;
+        not_negative("extrapolate", self.extrapolate)?;
         let Self { extrapolate, lost_after, .. } = *self;
         if extrapolate > lost_after {
             return Err(TrackerError::ExtrapolatedLost { extrapolate, lost_after });
         }
         let Some(OneEuro { min_cutoff, per_speed }) = self.smoothing else { return Ok(()) };
-        check("min_cutoff", min_cutoff, POSITIVE)?;
-        check("per_speed", per_speed, NOT_NEGATIVE)
+        positive("min_cutoff", min_cutoff)?;
+        not_negative("per_speed", per_speed)
     }
 }
 
 impl SimulatedDevice {
-    /// The age of its newest pose at most, seconds, where none is missing.
+    /// The age of the pose that arrived last at most, seconds, where none is missing: one that
+    /// takes longest, until the next that is measured after its arrival takes as long.
     #[must_use]
     pub fn greatest_age(&self) -> f64 {
-        self.latency + self.latency_spread + 1.0 / self.rate
+        self.latency + 2.0 * self.latency_spread + 1.0 / self.rate
+    }
+
+    fn check(&self) -> Result<(), TrackerError> {
+        positive("rate", self.rate)?;
+        not_negative("jitter", self.jitter)?;
+        not_negative("latency", self.latency)?;
+        not_negative("latency_spread", self.latency_spread)?;
+        let is_share = (0.0..=1.0).contains(&self.dropouts);
+        number("dropouts", self.dropouts, "a number from 0 to 1", is_share)?;
+        not_negative("occlusions", self.occlusions)?;
+        not_negative("occluded_for", self.occluded_for)
     }
 }
 
 impl TrackerDescription {
+    /// The age of the pose at which the body is shown at most, seconds, in steps of so many
+    /// seconds, where none is missing: what is there as a step begins is shown at its end.
+    #[must_use]
+    pub fn greatest_age(&self, step: f64) -> f64 {
+        let SimulatedDevice { rate, latency, latency_spread, .. } = self.device;
+        self.settings.delay.max(latency + latency_spread + step) + 1.0 / rate
+    }
+
     /// Whether all numbers are in range and go together, in steps of so many seconds.
     ///
     /// # Errors
@@ -152,25 +195,15 @@ impl TrackerDescription {
     /// [`TrackerError`].
     pub fn check(&self, step: f64) -> Result<(), TrackerError> {
         self.settings.check()?;
-        let device = &self.device;
-        check("rate", device.rate, POSITIVE)?;
-        if device.rate > GREATEST_RATE {
-            let range = "at most 1000000";
-            return Err(TrackerError::Number { name: "rate", value: device.rate, range });
+        self.device.check()?;
+        let TrackerSettings { delay, lost_after, .. } = self.settings;
+        let rate = self.device.rate;
+        let (poses, most) = (rate * (delay + step), TrackerSettings::MOST_WAITING);
+        if poses > most as f64 {
+            return Err(TrackerError::TooManyWaiting { rate, poses, most });
         }
-        check("jitter", device.jitter, NOT_NEGATIVE)?;
-        check("latency", device.latency, NOT_NEGATIVE)?;
-        check("latency_spread", device.latency_spread, NOT_NEGATIVE)?;
-        check("occlusions", device.occlusions, NOT_NEGATIVE)?;
-        check("occluded_for", device.occluded_for, NOT_NEGATIVE)?;
-        if !(0.0..=1.0).contains(&device.dropouts) {
-            let range = "a number from 0 to 1";
-            return Err(TrackerError::Number { name: "dropouts", value: device.dropouts, range });
-        }
-        // What is there as a step begins is shown at its end, and poses farther apart than the
-        // limit are no motion, however long they are waited for.
-        let age = device.greatest_age() + step - self.settings.delay;
-        let (age, lost_after) = (age.max(1.0 / device.rate), self.settings.lost_after);
+        // A body that is delayed counts as lost by the age beyond its delay.
+        let age = self.greatest_age(step) - delay;
         if age >= lost_after {
             return Err(TrackerError::AlwaysLost { age, lost_after });
         }
@@ -210,12 +243,60 @@ mod tests {
     }
 
     #[test]
-    fn what_would_take_for_ever_or_drift_while_lost_is_refused() {
-        let fast = SimulatedDevice { rate: 1e300, ..DEVICE };
-        let fast = checked(TrackerSettings::default(), fast, 1.0 / 60.0);
-        assert!(fast.starts_with("`rate` is 1000") && fast.ends_with("at most 1000000"), "{fast}");
+    fn more_poses_than_may_wait_are_refused() {
+        let at = |rate, delay| {
+            let settings = TrackerSettings { delay, ..TrackerSettings::default() };
+            checked(settings, SimulatedDevice { rate, ..DEVICE }, 1.0 / 64.0)
+        };
+        assert_eq!(at(4096.0, 63.0 / 64.0), "well");
+        let waiting = at(4096.0, 1.0);
+        assert_eq!(
+            waiting,
+            "`rate` is 4096: up to 4160 poses wait in a step and in `delay`, and no more than 4096 may: lower `rate` or `delay`"
+        );
+        assert!(at(1e300, 0.0).contains("no more than 4096"));
+    }
+
+    #[test]
+    fn what_would_drift_while_lost_is_refused() {
         let far = TrackerSettings { extrapolate: 0.2, ..TrackerSettings::default() };
         let far = checked(far, DEVICE, 1.0 / 60.0);
         assert!(far.starts_with("`extrapolate` is 0.2") && far.contains("lost after 0.1 s"));
+    }
+
+    /// A tracker of which one field is the value.
+    type Change = fn(&mut TrackerDescription, f64);
+
+    const FIELDS: [(&str, Change); 12] = [
+        ("delay", |tracker, value| tracker.settings.delay = value),
+        ("lost_after", |tracker, value| tracker.settings.lost_after = value),
+        ("extrapolate", |tracker, value| tracker.settings.extrapolate = value),
+        ("min_cutoff", |tracker, value| smoothing(tracker).min_cutoff = value),
+        ("per_speed", |tracker, value| smoothing(tracker).per_speed = value),
+        ("rate", |tracker, value| tracker.device.rate = value),
+        ("jitter", |tracker, value| tracker.device.jitter = value),
+        ("latency", |tracker, value| tracker.device.latency = value),
+        ("latency_spread", |tracker, value| tracker.device.latency_spread = value),
+        ("dropouts", |tracker, value| tracker.device.dropouts = value),
+        ("occlusions", |tracker, value| tracker.device.occlusions = value),
+        ("occluded_for", |tracker, value| tracker.device.occluded_for = value),
+    ];
+
+    fn smoothing(tracker: &mut TrackerDescription) -> &mut OneEuro {
+        tracker.settings.smoothing.get_or_insert(OneEuro { min_cutoff: 1.0, per_speed: 0.0 })
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused_by_name() {
+        for (name, change) in FIELDS {
+            for value in [-1.0, f64::NAN] {
+                let mut tracker =
+                    TrackerDescription { settings: TrackerSettings::default(), device: DEVICE };
+                change(&mut tracker, value);
+                let refused = tracker.check(1.0 / 60.0).unwrap_err().to_string();
+                let expected = format!("`{name}` is {value}, but must be a");
+                assert!(refused.starts_with(&expected), "{refused}");
+            }
+        }
     }
 }

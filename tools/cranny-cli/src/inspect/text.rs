@@ -1,10 +1,9 @@
 //! The page that `cranny inspect` prints for people.
 
 mod concavities;
-mod words;
 
 use super::summary::{FindingLine, Summary};
-use words::{counted, number, point};
+use crate::words::{counted, number, point};
 
 /// So many findings of one kind are listed; the rest is counted.
 const LISTED: usize = 3;

@@ -11,6 +11,7 @@ use super::facts::{Facts, Overlap};
 use super::pictures::Picture;
 use super::plot::{Axis, PlotSeries, plot};
 use crate::page::{escaped, picture_data};
+use crate::words::counted;
 
 /// What is put on a page.
 pub(super) struct RunPage<'a> {
@@ -57,15 +58,15 @@ impl RunPage<'_> {
         let contacts = facts.stats.iter().map(|(_, stats)| stats.contacts).max().unwrap_or(0);
         let mut text = format!(
             "{} and {} for {} of simulated time. ",
-            counted(moving, "moving body", "moving bodies"),
-            counted(fixed, "fixed one", "fixed ones"),
+            counted(moving, "moving body"),
+            counted(fixed, "fixed one"),
             seconds(facts.last())
         );
         if !facts.reports_contacts() {
             text += "Contacts and depths are not recorded: the scene does not ask for Contacts.";
             return text;
         }
-        let _ = write!(text, "At most {} at once. ", counted(contacts, "contact", "contacts"));
+        let _ = write!(text, "At most {} at once. ", counted(contacts, "contact"));
         text += &match facts.deepest.first() {
             None => "No overlap was found.".to_owned(),
             Some(deepest) => format!(
@@ -202,13 +203,6 @@ fn legend(series: &[PlotSeries]) -> String {
         "<div class=\"legend\">{}</div>",
         series.iter().enumerate().map(name).collect::<String>()
     )
-}
-
-fn counted(count: usize, one: &str, many: &str) -> String {
-    match count {
-        1 => format!("1 {one}"),
-        _ => format!("{count} {many}"),
-    }
 }
 
 fn seconds(time: f64) -> String {

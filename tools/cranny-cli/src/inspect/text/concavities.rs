@@ -3,7 +3,7 @@
 use cranny_geometry::hull::FLATNESS;
 
 use super::super::summary::{ConcavityLine, Summary};
-use super::words::{counted, number};
+use crate::words::{counted, number};
 
 /// So many concavities are listed; the rest is counted.
 const LISTED: usize = 8;

@@ -1,8 +1,10 @@
 //! Numbers, points and plurals.
 
+use std::fmt::Display;
+
 /// Six significant digits, plain where that is short. What is less than any normal number is what
 /// rounding outward leaves of 0.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     match value.abs() {
         _ if !value.is_normal() && value.is_finite() => "0".to_owned(),
         size if (1e-3..1e6).contains(&size) => {
@@ -23,18 +25,17 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// Between brackets.
-pub(super) fn point(p: [f64; 3]) -> String {
+pub(crate) fn point(p: [f64; 3]) -> String {
     let [x, y, z] = p.map(number);
     format!("({x}, {y}, {z})")
 }
 
 /// One, or many with the plural.
-pub(super) fn counted(count: usize, what: &str) -> String {
-    match (count, what) {
-        (1, _) => format!("1 {what}"),
-        _ if what.ends_with("vertex") => {
-            format!("{count} {}vertices", what.trim_end_matches("vertex"))
-        }
+pub(crate) fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, what: &str) -> String {
+    match (what.strip_suffix("vertex"), what.strip_suffix("body")) {
+        _ if count == N::from(1) => format!("1 {what}"),
+        (Some(kind), _) => format!("{count} {kind}vertices"),
+        (_, Some(kind)) => format!("{count} {kind}bodies"),
         _ => format!("{count} {what}s"),
     }
 }
@@ -69,8 +70,8 @@ mod tests {
         assert_eq!(counted(1, "isolated vertex"), "1 isolated vertex");
         assert_eq!(counted(2, "isolated vertex"), "2 isolated vertices");
         assert_eq!(
-            (counted(0, "lid"), counted(3, "vertex")),
-            ("0 lids".into(), "3 vertices".into())
+            [counted(0, "lid"), counted(3_usize, "vertex"), counted(2_u64, "fixed body")],
+            ["0 lids", "3 vertices", "2 fixed bodies"]
         );
     }
 }
