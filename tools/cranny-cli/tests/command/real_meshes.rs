@@ -23,7 +23,8 @@ fn scans_and_parts_of_the_corpus_stay_in_their_bowl() {
     let written = run_command(&mut real_meshes(&corpus, &scene));
     assert_eq!(written.code, Some(0), "{written:?}");
     let arguments = ["run", &scene, "--quiet", "--format", "json", "--duration", "1.5"];
-    let [line] = &run(&arguments).json_lines()[..] else { panic!("one line a run") };
+    let lines = run(&arguments).json_lines();
+    let [line] = &lines[..] else { panic!("one line a run") };
     let bodies = line["motion"].as_array().unwrap();
     assert_eq!(bodies.len(), 12, "{line}");
     // The highest starts 1.24 above the bowl's floor. What falls past the bowl falls 11 m.
