@@ -22,7 +22,7 @@ fn scans_and_parts_of_the_corpus_stay_in_their_bowl() {
     let scene = argument(&folder.path("real_meshes.ron"));
     let written = run_command(&mut real_meshes(&corpus, &scene));
     assert_eq!(written.code, Some(0), "{written:?}");
-    let arguments = ["run", &scene, "--quiet", "--format", "json", "--duration", "1.5"];
+    let arguments = ["run", scene.as_str(), "--quiet", "--format", "json", "--duration", "1.5"];
     let lines = run(&arguments).json_lines();
     let [line] = &lines[..] else { panic!("one line a run") };
     let bodies = line["motion"].as_array().unwrap();
