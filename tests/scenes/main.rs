@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stderr, reason = "figures are printed where a person looks for them")]
 
+mod cell;
 mod cups;
 mod gears;
 mod hook;
@@ -14,3 +15,4 @@ mod peg;
 mod rest;
 mod ring;
 mod run;
+mod screw;

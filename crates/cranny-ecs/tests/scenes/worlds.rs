@@ -67,7 +67,7 @@ fn every_scene_starts_and_steps() {
         }
         scenes += 1;
     }
-    assert!(scenes >= 28, "{scenes}");
+    assert!(scenes >= 32, "{scenes}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use cranny_geometry::Mesh;
 use cranny_scene::encode_obj;
 use cranny_shapes::{LPrism, UPrism};
 
-use crate::{arm, crowds, house, physical, vehicles};
+use crate::{arm, cell, crowds, house, physical, vehicles};
 
 /// Path under `assets/` and content.
 pub(crate) fn files() -> Vec<(String, String)> {
@@ -28,6 +28,7 @@ pub(crate) fn files() -> Vec<(String, String)> {
     files.extend(crowds::files());
     files.extend(physical::files());
     files.extend(arm::files());
+    files.extend(cell::files());
     files
 }
 

@@ -3,6 +3,7 @@
 //! `CRANNY_BLESS=1 cargo test -p cranny-scene --test assets` writes them anew.
 
 mod arm;
+mod cell;
 mod crowds;
 mod generated;
 mod house;

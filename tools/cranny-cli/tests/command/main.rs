@@ -11,6 +11,7 @@ mod harness;
 mod inspect_and_check;
 mod inspect_concavities;
 mod query;
+mod real_meshes;
 mod recover;
 mod repair;
 mod replay;
