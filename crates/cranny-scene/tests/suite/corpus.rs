@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::corpus_files::{corpus, files_under, mesh_files};
+use crate::meeting;
 use cranny_concavity::Concavities;
 use cranny_concavity::ConcavityKind;
 use cranny_exact::{DVec3, Pose};

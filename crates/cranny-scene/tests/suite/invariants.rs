@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use crate::bodies;
 use crate::body::Body;
 use crate::check::{checked_with, closed_checked_with};
 use crate::corpus_files::mesh_files;

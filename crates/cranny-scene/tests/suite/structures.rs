@@ -7,6 +7,8 @@ use std::sync::OnceLock;
 
 use crate::body::Body;
 use crate::corpus_files::mesh_files;
+use crate::equal;
+use crate::moves;
 use cranny_concavity::envelope::Thing;
 use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::FaceId;
