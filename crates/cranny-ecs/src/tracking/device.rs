@@ -233,8 +233,8 @@ mod tests {
         assert!(sorted.windows(2).any(|w| w[1] - w[0] >= 0.3), "it was hidden once");
     }
 
-    /// The greatest ages of the pose that arrived last, and of the one that is shown, on a path whose
-    /// x is the time; then their bounds.
+    /// The greatest ages of the pose that arrived last, and of the one that is shown, on a path
+    /// whose x is the time; then their bounds.
     fn ages(settings: TrackerSettings, device: SimulatedDevice, step: f64) -> [[f64; 2]; 2] {
         let description = TrackerDescription { settings, device };
         description.check(step).unwrap();
