@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let volume = |world: &World| {
         let plate = world.get::<Collider>(plate).ok_or("the plate is there")?;
-        Ok::<f64, &str>(plate.model().mass_properties().ok_or("it is a solid")?.volume)
+        let mass = plate.model().and_then(|model| model.mass_properties());
+        Ok::<f64, &str>(mass.ok_or("it is a solid")?.volume)
     };
     let before = volume(world)?;
     let mut lost = 0.0;

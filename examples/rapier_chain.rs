@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let upright = DQuat::from_rotation_y(FRAC_PI_2);
     let mut hang = |k: u32| {
         simulation.insert(&BodySpec {
-            model: &link,
+            shape: (&link).into(),
             kind: if k == 0 { BodyKind::Fixed } else { BodyKind::Dynamic },
             pose: Pose {
                 rotation: upright * DQuat::from_rotation_x(f64::from(k % 2) * FRAC_PI_2),

@@ -1,5 +1,6 @@
 //! A robot that folds up and might hit itself: of each configuration on the way, the links that
-//! meet, on their meshes. Links that a joint joins overlap by design, and others that meet at rest.
+//! meet, on their meshes and primitives. Links that a joint joins overlap by design, and others
+//! that meet at rest.
 //!
 //! `cargo run --example robot_self_collision --features scene`
 
@@ -16,12 +17,18 @@ use cranny::world::{BodyId, BodySpec};
 fn bodies(robot: &Robot, world: &mut World) -> Result<Vec<Option<BodyId>>, Box<dyn Error>> {
     let mut ids = Vec::new();
     for link in &robot.links {
-        let Some(mesh) = &link.collision else {
-            ids.push(None);
-            continue;
+        let spec = match (link.primitive, &link.collision) {
+            (Some(primitive), _) => BodySpec::new(&link.name, primitive),
+            (None, Some(mesh)) => {
+                let (model, _) = Model::build(mesh.as_ref().clone(), &BuildOptions::default())?;
+                BodySpec::new(&link.name, model)
+            }
+            (None, None) => {
+                ids.push(None);
+                continue;
+            }
         };
-        let (model, _) = Model::build(mesh.as_ref().clone(), &BuildOptions::default())?;
-        ids.push(Some(world.insert(BodySpec::new(&link.name, model))?));
+        ids.push(Some(world.insert(spec)?));
     }
     Ok(ids)
 }

@@ -19,8 +19,8 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
-use cranny_geometry::Model;
-use cranny_world::description::BodyKind;
+use cranny_primitives::BodyShape;
+use cranny_world::description::{BodyKind, Effect};
 
 use crate::body::{Bodies, Body, BodyRecord};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
@@ -122,7 +122,7 @@ pub(crate) fn admit_bodies(world: &mut World) {
             continue;
         }
         let merged = match merge(world, entity) {
-            Ok(Some(model)) => model,
+            Ok(Some(shape)) => shape,
             Ok(None) => {
                 world.entity_mut(entity).remove::<(Body, ColliderOf)>();
                 continue;
@@ -132,7 +132,8 @@ pub(crate) fn admit_bodies(world: &mut World) {
                 continue;
             }
         };
-        let (record, effects) = match described(world.entity(entity), merged) {
+        let of_scene = world.resource::<EffectTable>().of_scene().to_vec();
+        let (record, effects) = match described(world.entity(entity), merged, &of_scene) {
             Ok(described) => described,
             Err(error) => {
                 world.resource_mut::<Failure>().set(error);
@@ -161,7 +162,8 @@ pub(crate) fn admit_bodies(world: &mut World) {
 /// What the components of an entity say of the body that it is.
 fn described(
     entity: EntityRef<'_>,
-    model: Model,
+    shape: BodyShape,
+    of_scene: &[Effect],
 ) -> Result<(BodyRecord, BodyEffects), SceneAppError> {
     let given = entity.get::<Name>().map(|name| name.as_str().to_owned());
     let name = given.unwrap_or_default();
@@ -173,19 +175,37 @@ fn described(
     if entity.contains::<ChildOf>() {
         return Err(SceneAppError::ChildBody { body: said() });
     }
+    let effects = effects_of(entity);
+    let smooth = entity.contains::<SmoothNormals>();
+    check_primitive(&shape, effects.iter().chain(of_scene), smooth, said)?;
     let kind = entity.get::<RigidBody>().map_or(BodyKind::Fixed, |&body| body.into());
     let layers = entity.get::<CollisionLayers>().copied().unwrap_or_default().0;
     let record = BodyRecord {
         entity: entity.id(),
         name,
-        model,
+        shape,
         visual: entity.get::<VisualMesh>().map(|visual| visual.0.clone()),
         kind,
         normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
     };
-    let effects = effects_of(entity);
     let sensor = entity.contains::<Sensor>();
     Ok((record, BodyEffects { effects, kind, layers, sensor }))
+}
+
+/// Fails if a number of a primitive is invalid, or something that is asked about it needs a mesh.
+fn check_primitive<'a>(
+    shape: &BodyShape,
+    mut effects: impl Iterator<Item = &'a Effect>,
+    smooth: bool,
+    body: impl Fn() -> String,
+) -> Result<(), SceneAppError> {
+    let Some(primitive) = shape.primitive() else { return Ok(()) };
+    let what = primitive.name();
+    let refused = |source| SceneAppError::Primitive { body: body(), what, source };
+    primitive.check().map_err(refused)?;
+    let needs = effects.find(|effect| effect.works_on_meshes()).map(Effect::name);
+    let effect = needs.or(smooth.then_some("SmoothNormals"));
+    effect.map_or(Ok(()), |effect| Err(SceneAppError::NeedsMesh { body: body(), what, effect }))
 }
 
 /// Whatever removes a body removes it here too, at once.

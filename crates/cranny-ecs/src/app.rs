@@ -57,7 +57,7 @@ pub struct RunOptions {
 /// let body = |name: &str, kind, x, velocity| BodyDescription {
 ///     name: name.into(),
 ///     collision: Arc::new(cranny_shapes::Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
-///     model: None,
+///     shape: None,
 ///     visual: None,
 ///     kind,
 ///     pose: Pose::at(DVec3::new(x, 0.0, 0.0)),

@@ -8,10 +8,13 @@ use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
+use cranny_primitives::BodyShape;
 use cranny_world::BodyId;
 use cranny_world::description::{BodyKind, Normals};
 use glam::DQuat;
 
+#[cfg(any(feature = "record", feature = "render"))]
+use crate::error::SceneAppError;
 use crate::properties::{AngularVelocity, LinearVelocity};
 
 /// A body: an entity with a [`Collider`](crate::Collider) that a step has taken in. The step
@@ -39,13 +42,48 @@ pub struct BodyRecord {
     /// body has that name already.
     pub name: String,
     /// Collision geometry.
-    pub model: Model,
-    /// Geometry to draw, where it differs from the model's mesh.
+    pub shape: BodyShape,
+    /// Geometry to draw, where it differs from the shape.
     pub visual: Option<Arc<Mesh>>,
     /// How it moves.
     pub kind: BodyKind,
     /// Which normals its contacts have for the solver.
     pub normals: Normals,
+}
+
+impl BodyRecord {
+    /// The prepared mesh, where the body is one.
+    #[must_use]
+    pub fn model(&self) -> Option<&Model> {
+        self.shape.model()
+    }
+
+    /// What is drawn and recorded of it; of a primitive that says nothing else a mesh that stands
+    /// for it.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError::Undrawable`] for a primitive without a size.
+    #[cfg(any(feature = "record", feature = "render"))]
+    pub(crate) fn drawn_mesh(&self) -> Result<std::borrow::Cow<'_, Mesh>, SceneAppError> {
+        use std::borrow::Cow::{Borrowed, Owned};
+        match (&self.visual, &self.shape) {
+            (Some(visual), _) => Ok(Borrowed(visual)),
+            (None, BodyShape::Model(model)) => Ok(Borrowed(model.mesh())),
+            (None, BodyShape::Primitive(primitive)) => {
+                cranny_shapes::primitive_mesh(primitive).map(Owned).map_err(|error| {
+                    SceneAppError::Undrawable { body: self.name.clone(), why: error.to_string() }
+                })
+            }
+        }
+    }
+
+    /// How far a point of its surface is from its origin at most; of a half-space 0, whose plane
+    /// goes where its origin does.
+    pub(crate) fn extent(&self) -> f64 {
+        let radius = self.shape.radius();
+        if radius.is_finite() { radius } else { 0.0 }
+    }
 }
 
 /// All bodies that are present, by id.

@@ -1,31 +1,60 @@
-//! What a body is made of: a prepared mesh, and what is drawn for it.
+//! What a body is made of: a prepared mesh or a primitive, and what is drawn for it.
 
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use cranny_geometry::{BuildError, BuildOptions, Mesh, Model};
+use cranny_exact::DVec3;
+use cranny_geometry::{BuildError, BuildOptions, Mesh, MeshError, Model};
+use cranny_primitives::{Ball, BodyShape, Capsule, Cone, Cylinder, HalfSpace, Primitive, Segment};
+use thiserror::Error;
 
 use crate::admission::{note_change, note_removal};
 
 /// The geometry of a body: an entity with a `Collider` is one.
 ///
-/// A collider is made of a [`Model`], which is prepared once and shared by all bodies of its shape.
+/// A collider is a prepared [`Model`], which is made once and shared by all bodies of its shape, or
+/// a [`Primitive`] in the body's frame: a ball, a capsule, a cylinder, a cone, a half-space.
 /// Without a [`RigidBody`](crate::RigidBody) beside it the body is fixed. Inserting another one
 /// replaces the geometry, from the next step on; removing it takes the body out at once.
+///
+/// What is answered about a primitive is right to rounding, at once, whatever level or budget holds
+/// elsewhere, and has no regions and curves of contact. `Deformation`, `ForceFeedback` and
+/// `SmoothNormals` need a mesh. A number that is invalid is an error of the step that takes the
+/// body in.
 ///
 /// ```
 /// use cranny_ecs::Collider;
 /// let hook = cranny_shapes::Cuboid { size: [1.0, 2.0, 3.0] }.build()?;
 /// let collider = Collider::from_mesh(hook)?;
 /// let another = collider.clone(); // shares the model
+/// let marble = Collider::ball(0.5);
+/// assert!(another.model().is_some() && marble.model().is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Component, Clone, Debug)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 #[require(Transform)]
 pub struct Collider {
-    model: Model,
+    shape: BodyShape,
+}
+
+/// A cuboid that is none.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CuboidError {
+    /// A side that is not a finite length above 0.
+    #[error("the sides of a cuboid are {sides}: each must be a finite number above 0")]
+    Sides {
+        /// The values found.
+        sides: DVec3,
+    },
+    /// A coordinate outside the domain.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A mesh that cannot be prepared.
+    #[error(transparent)]
+    Build(#[from] BuildError),
 }
 
 impl Collider {
@@ -40,24 +69,103 @@ impl Collider {
         Ok(Self::from(Model::build(mesh, &options)?.0))
     }
 
-    /// The prepared geometry.
+    /// All within a radius of the origin.
     #[must_use]
-    pub fn model(&self) -> &Model {
-        &self.model
+    pub fn ball(radius: f64) -> Self {
+        Primitive::from(Ball { center: DVec3::ZERO, radius }).into()
+    }
+
+    /// A cuboid about the origin, by the lengths of its sides. It is a mesh, whose answers are
+    /// exact.
+    ///
+    /// # Errors
+    ///
+    /// [`CuboidError`].
+    pub fn cuboid(x: f64, y: f64, z: f64) -> Result<Self, CuboidError> {
+        let sides = DVec3::new(x, y, z);
+        if !(sides.is_finite() && sides.cmpgt(DVec3::ZERO).all()) {
+            return Err(CuboidError::Sides { sides });
+        }
+        let end = |bit: u32, half: f64| if bit == 0 { -half } else { half };
+        let half = 0.5 * sides;
+        let corner =
+            |k: u32| DVec3::new(end(k & 1, half.x), end(k & 2, half.y), end(k & 4, half.z));
+        let squares =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces = squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let mesh = Mesh::new((0..8).map(corner).collect(), faces.collect())?;
+        Ok(Self::from_mesh(mesh)?)
+    }
+
+    /// All within a radius of a segment of a length along y, about the origin.
+    #[must_use]
+    pub fn capsule(radius: f64, length: f64) -> Self {
+        let end = 0.5 * length * DVec3::Y;
+        Primitive::from(Capsule { ends: [-end, end], radius }).into()
+    }
+
+    /// A cylinder along y, about the origin.
+    #[must_use]
+    pub fn cylinder(radius: f64, height: f64) -> Self {
+        let (center, axis) = (DVec3::ZERO, DVec3::Y);
+        Cylinder { center, axis, half_height: 0.5 * height, radius, border: 0.0 }.into()
+    }
+
+    /// A cone along y, with its apex up and its middle height at the origin.
+    #[must_use]
+    pub fn cone(radius: f64, height: f64) -> Self {
+        let (center, axis) = (DVec3::ZERO, DVec3::Y);
+        Cone { center, axis, half_height: 0.5 * height, radius, border: 0.0 }.into()
+    }
+
+    /// All on the side of the plane through the origin to which the normal does not point. A body
+    /// of it is fixed or kinematic: it has no mass.
+    #[must_use]
+    pub fn half_space(outward_normal: DVec3) -> Self {
+        HalfSpace { point: DVec3::ZERO, normal: outward_normal }.into()
+    }
+
+    /// What it is.
+    #[must_use]
+    pub fn shape(&self) -> &BodyShape {
+        &self.shape
+    }
+
+    /// The prepared mesh, if it is one.
+    #[must_use]
+    pub fn model(&self) -> Option<&Model> {
+        self.shape.model()
     }
 }
 
-impl From<Model> for Collider {
-    fn from(model: Model) -> Self {
-        Self { model }
+impl From<BodyShape> for Collider {
+    fn from(shape: BodyShape) -> Self {
+        Self { shape }
     }
 }
 
-impl From<&Model> for Collider {
-    fn from(model: &Model) -> Self {
-        Self { model: model.clone() }
-    }
+macro_rules! is_a_collider {
+    ($($shape:ty)*) => {
+        $(impl From<$shape> for Collider {
+            fn from(shape: $shape) -> Self {
+                Self { shape: shape.into() }
+            }
+        })*
+    };
 }
+
+macro_rules! is_a_primitive {
+    ($($shape:ty)*) => {
+        $(impl From<$shape> for Collider {
+            fn from(shape: $shape) -> Self {
+                Primitive::from(shape).into()
+            }
+        })*
+    };
+}
+
+is_a_collider!(Model &Model Primitive);
+is_a_primitive!(Ball Capsule Segment Cylinder Cone HalfSpace);
 
 /// What is drawn and recorded of a body, where it differs from its collider's mesh.
 #[derive(Component, Clone, Debug)]

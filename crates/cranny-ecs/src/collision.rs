@@ -104,7 +104,7 @@ impl Velocities<'_, '_> {
         if let Some(center) = self.solver.as_ref().and_then(|solver| solver.center_of_mass(body)) {
             return Some(center);
         }
-        Some(crate::kinematics::center_of_mass(&records.get(body)?.model))
+        Some(records.get(body)?.shape.center())
     }
 
     /// Of the point of a body that is at `place` in the world. Zero for a body that is gone.

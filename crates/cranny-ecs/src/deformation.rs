@@ -149,13 +149,15 @@ fn dent_bodies(
         let Some(record) = hits.bodies.get(hit.on) else { continue };
         let Some(by) = hits.bodies.entity(hit.by) else { continue };
         let of_body = colliders.get(record.entity);
-        let Some((_, transform, ..)) =
-            of_body.ok().filter(|(collider, ..)| collider.model().is_same(&record.model))
+        // Primitives were refused as they came.
+        let Some(own) = record.model() else { continue };
+        let is_own = |collider: &Collider| collider.model().is_some_and(|m| m.is_same(own));
+        let Some((_, transform, ..)) = of_body.ok().filter(|(collider, ..)| is_own(collider))
         else {
             failure.set(SceneAppError::DentedParts { body: record.name.clone() });
             return;
         };
-        let model = changed.get(&hit.on).unwrap_or(&record.model);
+        let model = changed.get(&hit.on).unwrap_or(own);
         let Some(dent) = dent_of(model, transform, &hit) else { continue };
         let mut model = model.clone();
         if let Err(source) = model.deform(&dent.moves) {
@@ -172,7 +174,8 @@ fn dent_bodies(
         let Some(record) = hits.bodies.get(id) else { continue };
         let mut entity = commands.entity(record.entity);
         if let Ok((_, _, density, None)) = colliders.get(record.entity) {
-            entity.insert(Density(kept_mass(density, &record.model, &model)));
+            let before = record.model().unwrap_or(&model);
+            entity.insert(Density(kept_mass(density, before, &model)));
         }
         entity.insert(Collider::from(model));
     }

@@ -274,8 +274,8 @@ fn take_in(
     let (Some(record), Some(asked)) = (bodies.get(id), effects.body(id)) else { return };
     let world = detector.world();
     let taken = if let Some(known) = world.body(id) {
-        let reshaped = !known.model().is_same(&record.model);
-        let shaped = if reshaped { world.set_model(id, record.model.clone()) } else { Ok(()) };
+        let reshaped = !known.shape().is_same(&record.shape);
+        let shaped = if reshaped { world.set_shape(id, &record.shape) } else { Ok(()) };
         shaped
             .and_then(|()| world.set_kind(id, record.kind))
             .and_then(|()| world.set_layers(id, asked.layers))
@@ -288,7 +288,7 @@ fn take_in(
             layers: asked.layers,
             sensor: asked.sensor,
             effects: asked.effects.clone(),
-            ..BodySpec::new(record.name.clone(), record.model.clone())
+            ..BodySpec::new(record.name.clone(), &record.shape)
         };
         world.insert_as(id, spec)
     };

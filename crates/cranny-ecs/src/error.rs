@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bevy_ecs::prelude::Resource;
 use cranny_geometry::{BuildError, DeformError};
+use cranny_primitives::PrimitiveError;
 use cranny_world::WorldError;
 use thiserror::Error;
 
@@ -18,6 +19,28 @@ pub enum SceneAppError {
         body: String,
         /// What is wrong with it.
         source: BuildError,
+    },
+    /// A primitive with a number that is none.
+    #[error("body '{body}': its {what} is refused: {source}")]
+    Primitive {
+        /// Which body.
+        body: String,
+        /// The kind of primitive: "ball".
+        what: &'static str,
+        /// What is wrong with it.
+        source: PrimitiveError,
+    },
+    /// An effect of a primitive that works on a mesh.
+    #[error(
+        "{effect} works on a mesh, but body '{body}' is a {what}: give the body a mesh, or name {effect} for other bodies only"
+    )]
+    NeedsMesh {
+        /// Which body.
+        body: String,
+        /// The kind of primitive: "ball".
+        what: &'static str,
+        /// Name of the effect.
+        effect: &'static str,
     },
     /// A pair names a body that the scene does not have.
     #[error("the scene has no body '{name}', which one of its pairs names")]

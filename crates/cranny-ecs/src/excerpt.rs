@@ -5,6 +5,7 @@ use cranny_scene::LoadedScene;
 use cranny_shapes::Shape;
 use ron::extensions::Extensions;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::links::Ring;
 use crate::motion::Helix;
@@ -19,13 +20,14 @@ struct Scene {
 #[derive(Deserialize)]
 struct GeneratedBody {
     name: String,
-    shape: BodyShape,
+    shape: GeneratedShape,
 }
 
 #[derive(Deserialize)]
-enum BodyShape {
+enum GeneratedShape {
     Generator(Shape),
     Mesh {},
+    Primitive(IgnoredAny),
 }
 
 /// The generated bodies, if the text can be read as a scene of such.
@@ -44,9 +46,9 @@ pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
     let bodies = bodies(scene);
     let mut helices = Vec::new();
     for bolt in &bodies {
-        let BodyShape::Generator(Shape::IsoBolt(outer)) = &bolt.shape else { continue };
+        let GeneratedShape::Generator(Shape::IsoBolt(outer)) = &bolt.shape else { continue };
         for nut in &bodies {
-            let BodyShape::Generator(Shape::IsoNut(inner)) = &nut.shape else { continue };
+            let GeneratedShape::Generator(Shape::IsoNut(inner)) = &nut.shape else { continue };
             if inner.pitch == outer.pitch {
                 let (bolt, nut) = (bolt.name.clone(), nut.name.clone());
                 helices.push(Helix { bolt, nut, pitch: outer.pitch });
@@ -60,7 +62,7 @@ pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
 #[must_use]
 pub fn rings(scene: &LoadedScene) -> Vec<Ring> {
     let ring = |body: GeneratedBody| match body.shape {
-        BodyShape::Generator(Shape::Torus(torus)) => {
+        GeneratedShape::Generator(Shape::Torus(torus)) => {
             Some(Ring { body: body.name, radius: torus.major_radius })
         }
         _ => None,
@@ -86,6 +88,7 @@ mod tests {
             (name: "other", shape: Generator(IsoNut(diameter: 16, pitch: 1.5, segments: 24)),
              pose: (at: (90, 0, 0))),
             (name: "box", shape: Generator(Cuboid()), pose: (at: (50, 0, 0))),
+            (name: "ball", shape: Primitive(Ball(radius: 1)), pose: (at: (70, 0, 0))),
         ], effects: [Contacts(margin: 0.1)])"#;
         let expected = Helix { bolt: "bolt".into(), nut: "nut".into(), pitch: 2.0 };
         assert_eq!(helices(&loaded(text)), [expected]);

@@ -18,6 +18,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::{Aabb, Pose};
+use cranny_geometry::Model;
 use cranny_impact::Motion;
 use cranny_narrow_phase::Placed;
 use cranny_world::description::BodyKind;
@@ -28,7 +29,7 @@ use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable};
-use crate::error::Failure;
+use crate::error::{Failure, SceneAppError};
 
 /// Ticks a second; of a step as many as come nearest to it, and one at least.
 const RATE: f64 = 1000.0;
@@ -126,18 +127,19 @@ struct Surroundings<'w, 's> {
 struct Moving<'a> {
     id: BodyId,
     record: &'a BodyRecord,
+    model: &'a Model,
     motion: Motion,
 }
 
 impl Moving<'_> {
     fn at(&self, time: f64) -> Placed<'_> {
-        Placed { model: &self.record.model, pose: self.motion.pose_at(time) }
+        Placed { model: self.model, pose: self.motion.pose_at(time) }
     }
 
     /// A box that holds it at both ends of its way, grown by its diagonal: its way bends by less.
     fn around(&self) -> Aabb {
         let [start, end] = [0.0, 1.0].map(|time| {
-            let bounds = self.record.model.bounds();
+            let bounds = self.model.bounds();
             self.motion.pose_at(time).world_from_body().bounds(&bounds)
         });
         start.union(&end).grown(start.diagonal())
@@ -162,12 +164,16 @@ fn feel(
         .filter_map(|(&id, &end)| {
             let record = scene.bodies.get(id)?;
             let start = before.get(&id).copied().unwrap_or(end);
-            let pivot = crate::kinematics::center_of_mass(&record.model);
-            Some(Moving { id, record, motion: Motion::between(start, end, pivot) })
+            let (model, pivot) = (record.model()?, record.shape.center());
+            Some(Moving { id, record, model, motion: Motion::between(start, end, pivot) })
         })
         .collect();
     report.step = time.steps();
     report.bodies.clear();
+    if let Some(error) = felt_primitive(&scene) {
+        failure.set(error);
+        return;
+    }
     let ticks = (RATE * time.step()).round().max(1.0) as u32;
     for body in ways.iter().filter(|way| way.record.kind == BodyKind::Kinematic) {
         let others: Vec<(&Moving<'_>, f64)> = ways
@@ -194,6 +200,18 @@ fn feel(
     }
 }
 
+/// A primitive that a body is to feel, as an error: what is felt is the contact of meshes.
+fn felt_primitive(scene: &Surroundings) -> Option<SceneAppError> {
+    let mut primitives = scene.bodies.iter().filter(|(_, record)| record.model().is_none());
+    let felt = primitives.find(|&(id, _)| {
+        scene.bodies.iter().any(|(body, _)| scene.effects.felt_stiffness(body, id).is_some())
+    });
+    let (_, record) = felt?;
+    let what = record.shape.primitive()?.name();
+    let effect = EffectKind::ForceFeedback.name();
+    Some(SceneAppError::NeedsMesh { body: record.name.clone(), what, effect })
+}
+
 /// What a body feels on its way, tick by tick.
 fn felt(
     body: &Moving<'_>,
@@ -211,7 +229,7 @@ fn felt(
         wrenches.push(followed.map_err(|(other, source)| {
             let other = near.iter().find(|near| near.id == other);
             let b = other.map(|near| near.record.name.clone()).unwrap_or_default();
-            WorldError::Query { a: body.record.name.clone(), b, source }
+            WorldError::Query { a: body.record.name.clone(), b, source: source.into() }
         })?);
     }
     Ok(wrenches)

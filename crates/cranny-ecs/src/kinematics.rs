@@ -5,7 +5,7 @@ use bevy_ecs::lifecycle::Insert;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_primitives::BodyShape;
 use cranny_world::description::BodyKind;
 use glam::DQuat;
 
@@ -30,8 +30,8 @@ pub struct Kinematic {
 }
 
 impl Kinematic {
-    pub(crate) fn of(model: &Model) -> Self {
-        Self { center: center_of_mass(model) }
+    pub(crate) fn of(shape: &BodyShape) -> Self {
+        Self { center: shape.center() }
     }
 }
 
@@ -64,15 +64,10 @@ fn mark(
     let solved = solved || solver.is_some_and(|solver| solver.index(id).is_some());
     let mut entity = commands.entity(inserted.entity);
     if record.kind == BodyKind::Kinematic && !solved {
-        entity.insert(Kinematic::of(&record.model));
+        entity.insert(Kinematic::of(&record.shape));
     } else {
         entity.try_remove::<Kinematic>();
     }
-}
-
-/// The centre of the solid; the origin where the mesh is open, as for the solver.
-pub(crate) fn center_of_mass(model: &Model) -> DVec3 {
-    model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center)
 }
 
 fn follow_velocities(

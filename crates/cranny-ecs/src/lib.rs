@@ -89,6 +89,7 @@ mod sound;
 mod spatial;
 mod spawn;
 mod summary;
+mod sweep;
 mod tally;
 mod tracking;
 mod trigger;
@@ -96,7 +97,7 @@ mod trigger;
 pub use app::{RunOptions, SceneApp};
 pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
-pub use collider::{Collider, VisualMesh};
+pub use collider::{Collider, CuboidError, VisualMesh};
 pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{
     BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame,

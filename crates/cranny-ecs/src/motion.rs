@@ -223,7 +223,11 @@ impl Plugin for MotionPlugin {
 
 /// Where a body is.
 fn filled(record: &BodyRecord, pose: &Pose) -> Aabb {
-    pose.world_from_body().bounds(&record.model.bounds())
+    match record.shape.radius().is_finite() {
+        true => record.shape.bounds(&pose.world_from_body()),
+        // A half-space is everywhere: it says nothing about where a scene is.
+        false => Aabb::EMPTY,
+    }
 }
 
 fn begin_track(

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use cranny_world::BodyId;
 use cranny_world::description::{Accuracy, Effect};
 
 use crate::admission::{Noted, note_change, note_removal};
@@ -44,7 +45,7 @@ pub(crate) fn relate_pairs(world: &mut World) {
     let mut pairs: BTreeMap<Pair, Vec<Effect>> = BTreeMap::new();
     let mut levels: BTreeMap<Pair, Accuracy> = BTreeMap::new();
     let mut excluded: BTreeSet<Pair> = BTreeSet::new();
-    let mut missing = None;
+    let (mut missing, mut meshless) = (None, None);
     let Some(pair_id) = world.component_id::<BodyPair>() else { return };
     // Ascending, so that nothing depends on the order in which components came.
     let mut entities: Vec<Entity> = world
@@ -75,6 +76,18 @@ pub(crate) fn relate_pairs(world: &mut World) {
             let joined = levels.entry(ordered(a, b)).or_insert(level);
             *joined = joined.join(level);
         }
+        let works_on = effects.iter().find(|effect| effect.works_on_meshes()).map(Effect::name);
+        let primitive = |id: BodyId| {
+            let record = world.resource::<Bodies>().get(id)?;
+            Some((record.name.clone(), record.shape.primitive()?.name()))
+        };
+        let refused = works_on.and_then(|effect| {
+            [a, b].into_iter().find_map(primitive).map(|(body, what)| (body, what, effect))
+        });
+        if let Some((body, what, effect)) = refused {
+            meshless.get_or_insert(SceneAppError::NeedsMesh { body, what, effect });
+            continue;
+        }
         if !effects.is_empty() {
             pairs.entry(ordered(a, b)).or_default().extend(effects);
         }
@@ -82,6 +95,9 @@ pub(crate) fn relate_pairs(world: &mut World) {
     if let Some((body, effect)) = missing {
         let body = world.resource::<Bodies>().name(body).to_owned();
         world.resource_mut::<Failure>().set(SceneAppError::EffectNotPlugged { body, effect });
+    }
+    if let Some(error) = meshless {
+        world.resource_mut::<Failure>().set(error);
     }
     world.resource_mut::<EffectTable>().set_pairs(pairs, levels, excluded);
 }

@@ -15,6 +15,7 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_primitives::BodyShape;
 
 use crate::admission::Noted;
 use crate::body::{Bodies, Body, pose_of};
@@ -116,9 +117,10 @@ pub(crate) fn has_parts(world: &World, entity: Entity) -> bool {
     world.get::<RigidBody>(entity).is_some() && !parts_below(world, entity).is_empty()
 }
 
-/// The model of a body: that of its collider, or of all its colliders; `None` without any.
-pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, SceneAppError> {
-    let own = world.get::<Collider>(body).map(|collider| collider.model().clone());
+/// The shape of a body: that of its collider, or the model of all its colliders; `None` without
+/// any. A primitive is a body's only collider.
+pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>, SceneAppError> {
+    let own = world.get::<Collider>(body).map(|collider| collider.shape().clone());
     let below = match world.get::<RigidBody>(body) {
         Some(_) => parts_below(world, body),
         None => Vec::new(),
@@ -127,8 +129,8 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
         world.resource_mut::<MergedModels>().leave(body);
         return Ok(own);
     }
-    let mut parts: Vec<(Model, Transform)> =
-        own.into_iter().map(|model| (model, Transform::IDENTITY)).collect();
+    let mut parts: Vec<(BodyShape, Transform)> =
+        own.into_iter().map(|shape| (shape, Transform::IDENTITY)).collect();
     for path in &below {
         let mut place = Transform::IDENTITY;
         for &entity in path {
@@ -141,7 +143,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
             place = place.mul_transform(transform);
         }
         if let Some(collider) = path.last().and_then(|&part| world.get::<Collider>(part)) {
-            parts.push((collider.model().clone(), place));
+            parts.push((collider.shape().clone(), place));
         }
     }
     for path in &below {
@@ -151,6 +153,16 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
             world.entity_mut(part).insert(ColliderOf { body });
         }
     }
+    let refused = |why: String| {
+        let name = world.get::<Name>(body).map(|name| name.as_str().to_owned());
+        SceneAppError::Parts { body: name.unwrap_or_else(|| body.to_string()), why }
+    };
+    if let [(BodyShape::Primitive(primitive), place)] = &parts[..] {
+        let moved = primitive.moved(&pose_of(place).world_from_body());
+        world.resource_mut::<MergedModels>().leave(body);
+        return Ok(Some(moved.into()));
+    }
+    let parts = models_of(parts).map_err(refused)?;
     let key: Vec<Part> = parts.iter().map(|(model, place)| (model.digest(), bits(place))).collect();
     let known = world.resource::<MergedModels>().get(&key);
     let model = match known {
@@ -161,7 +173,20 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
         })?,
     };
     world.resource_mut::<MergedModels>().join(body, key, model.clone());
-    Ok(Some(model))
+    Ok(Some(model.into()))
+}
+
+/// The parts, where all are meshes.
+fn models_of(parts: Vec<(BodyShape, Transform)>) -> Result<Vec<(Model, Transform)>, String> {
+    let of_part = |(shape, place): (BodyShape, Transform)| match shape {
+        BodyShape::Model(model) => Ok((model, place)),
+        BodyShape::Primitive(primitive) => Err(format!(
+            "a {} is one of several, but only meshes are put together. Make it a body of its own, \
+             held by a fixed joint, or a mesh",
+            primitive.name()
+        )),
+    };
+    parts.into_iter().map(of_part).collect()
 }
 
 fn bits(place: &Transform) -> [u32; 7] {

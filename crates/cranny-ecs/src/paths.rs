@@ -96,7 +96,7 @@ impl Steering<'_> {
             let scale = led.transform.scale;
             led.transform.set_if_neq(Transform { scale, ..transform_of(target) });
         }
-        let reach = self.bodies.get(led.body.id).map_or(0.0, |record| record.model.radius());
+        let reach = self.bodies.get(led.body.id).map_or(0.0, |record| record.extent());
         let from = pose_of(&led.transform);
         let [v, w] = if has_arrived(&from, target, reach) {
             [DVec3::ZERO; 2]

@@ -4,8 +4,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{Answer, Placed};
-use cranny_primitives::way_apart;
+use cranny_narrow_phase::Answer;
+use cranny_primitives::{PlacedShape, way_apart_of_shapes};
 use cranny_world::{BodyId, WorldError};
 
 use crate::body::Bodies;
@@ -47,10 +47,10 @@ pub struct PenetrationPair {
     /// Where they overlap deepest, halfway between both surfaces, world coordinates; `None` where
     /// one lies wholly inside the other.
     pub point: Option<DVec3>,
-    /// The depth of their deepest region of contact, along its normal, > 0; `None` where one lies
-    /// wholly inside the other, or a surface is open.
+    /// The depth of their deepest region of contact, along its normal, > 0; beside a primitive that
+    /// of the deepest contact. `None` where one lies wholly inside the other, or a surface is open.
     pub depth: Option<f64>,
-    /// By which translation `other` gets out, in the world: certified by a query there, or by a
+    /// By which translation `other` gets out, in the world: confirmed by a query there, or by a
     /// plane that parts the hulls. Not always the shortest.
     pub way: DVec3,
 }
@@ -112,14 +112,22 @@ fn report_overlaps(
         }
         let [Some(a), Some(b)] = ids.map(|id| bodies.get(id)) else { continue };
         let (poses, _) = detector.poses(pair.a, pair.b);
-        let placed = |k: usize| Placed { model: &[a, b][k].model, pose: poses[k] };
-        let way = way_apart(placed(0), placed(1), &pair.answer)
+        let placed = |k: usize| PlacedShape { shape: &[a, b][k].shape, pose: poses[k] };
+        let way = way_apart_of_shapes(placed(0), placed(1), &pair.answer)
             .map_err(|source| WorldError::Query { a: a.name.clone(), b: b.name.clone(), source });
         let Some(way) = failure.note(way).flatten() else { continue };
         let (body, other) = (a.entity, b.entity);
-        let (point, depth) = (deepest(&pair.answer).map(|at| at.point), depth_of(&pair.answer));
+        let is_primitive = a.model().and(b.model()).is_none();
+        let depth =
+            if is_primitive { depth_of_contacts(&pair.answer) } else { depth_of(&pair.answer) };
+        let point = deepest(&pair.answer).map(|at| at.point);
         report.pairs.push(PenetrationPair { body, other, ids, point, depth, way });
     }
+}
+
+/// Of the deepest contact: answers about primitives have no regions.
+fn depth_of_contacts(answer: &Answer) -> Option<f64> {
+    Some(answer.depth()).filter(|depth| *depth > 0.0 && answer.contained.is_none())
 }
 
 /// Of the deepest region.

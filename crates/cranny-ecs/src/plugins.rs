@@ -7,7 +7,7 @@ use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, Model};
+use cranny_primitives::BodyShape;
 use cranny_world::ContactFields;
 use cranny_world::description::{Accuracy, BodyDescription, BodyKind, Effect, SceneDescription};
 
@@ -232,7 +232,7 @@ impl CrannyPlugins {
         let available = scene.all_effects().filter_map(EffectKind::of).collect();
         let plugins = Self { available, ..Self::new(scene.step)? }.effects(&scene.effects)?;
         let mut options = options.clone();
-        let size = || typical_size(scene, spawn.models());
+        let size = || typical_size(scene, spawn.shapes());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
         let simulated_trackers = scene.bodies.iter().any(|body| body.tracker.is_some());
         let (gravity, accuracy, budget) = (scene.gravity, scene.accuracy, scene.budget);
@@ -430,14 +430,10 @@ fn check_tracking(scene: &SceneDescription, body: &BodyDescription) -> Result<()
 /// wire): what rapier takes for a metre. Its prediction distance is a fiftieth of that. Larger:
 /// contacts are looked for far away, at a cost, and the far flank of a groove joins in. Smaller:
 /// bodies meet before their contacts are seen coming.
-fn typical_size(scene: &SceneDescription, models: &[Model]) -> f64 {
-    let dynamic = scene.bodies.iter().zip(models).filter(|(b, _)| b.kind == BodyKind::Dynamic);
-    let size = |model: &Model| {
-        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
-        let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
-        model.mass_properties().map(|mass| 2.0 * mass.volume / area).filter(|size| *size > 0.0)
-    };
-    dynamic.filter_map(|(_, model)| size(model)).reduce(f64::min).unwrap_or(1.0)
+fn typical_size(scene: &SceneDescription, shapes: &[BodyShape]) -> f64 {
+    let dynamic = scene.bodies.iter().zip(shapes).filter(|(b, _)| b.kind == BodyKind::Dynamic);
+    let sizes = dynamic.map(|(_, shape)| shape.thickness()).filter(|size| size.is_finite());
+    sizes.reduce(f64::min).unwrap_or(1.0)
 }
 
 /// The effect table, sums, what failed.

@@ -9,7 +9,8 @@ use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
-use cranny_geometry::{Mesh, Model};
+use cranny_geometry::Mesh;
+use cranny_primitives::BodyShape;
 use cranny_record::{
     Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
     RecordedEvent, Recorder, Summary, topic,
@@ -51,7 +52,7 @@ pub struct FrameRecorder {
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind, bool)>,
     /// What is shown of each body.
-    shown: BTreeMap<BodyId, (Model, Option<Arc<Mesh>>)>,
+    shown: BTreeMap<BodyId, (BodyShape, Option<Arc<Mesh>>)>,
 }
 
 impl FrameRecorder {
@@ -142,7 +143,7 @@ impl Plugin for RecordingPlugin {
         };
         let bodies = app.world().resource::<Bodies>();
         let written = record_bodies(&mut recorder, bodies.iter());
-        let shown = bodies.iter().map(|(id, r)| (id, (r.model.clone(), r.visual.clone())));
+        let shown = bodies.iter().map(|(id, r)| (id, (r.shape.clone(), r.visual.clone())));
         recorder.shown = shown.collect();
         app.world_mut().resource_mut::<Failure>().note(written);
         app.insert_resource(recorder);
@@ -162,15 +163,20 @@ fn record_bodies<'a>(
     recorder: &mut FrameRecorder,
     bodies: impl Iterator<Item = (BodyId, &'a BodyRecord)>,
 ) -> Result<(), SceneAppError> {
-    let bodies: Vec<RecordedBody> = bodies
-        .map(|(id, record)| RecordedBody {
-            name: &record.name,
-            mesh: record.visual.as_deref().unwrap_or(record.model.mesh()),
-            color: hue(id.0),
-            model: Some(&record.model),
-            kind: Some(record.kind),
-        })
-        .collect();
+    let shown = bodies.map(|(id, record)| {
+        let primitive = record.shape.primitive().map(ToString::to_string);
+        Ok((id, record, record.drawn_mesh()?, primitive))
+    });
+    let shown = shown.collect::<Result<Vec<_>, SceneAppError>>()?;
+    let bodies = shown.iter().map(|(id, record, mesh, primitive)| RecordedBody {
+        name: &record.name,
+        mesh,
+        color: hue(id.0),
+        model: record.model(),
+        primitive: primitive.as_deref(),
+        kind: Some(record.kind),
+    });
+    let bodies: Vec<RecordedBody> = bodies.collect();
     recorder.open().map_or(Ok(()), |r| r.bodies(&bodies)).map_err(Into::into)
 }
 
@@ -184,14 +190,14 @@ fn record_body(
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
-    let shown = (record.model.clone(), record.visual.clone());
+    let shown = (record.shape.clone(), record.visual.clone());
     let before = recorder.shown.insert(id, shown);
-    let is_same = |(model, visual): &(Model, Option<Arc<Mesh>>)| {
+    let is_same = |(shape, visual): &(BodyShape, Option<Arc<Mesh>>)| {
         let same_visual = match (visual, &record.visual) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, b) => a.is_none() && b.is_none(),
         };
-        model.is_same(&record.model) && same_visual
+        shape.is_same(&record.shape) && same_visual
     };
     if before.as_ref().is_some_and(is_same) {
         return;

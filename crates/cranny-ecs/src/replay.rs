@@ -11,7 +11,10 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_primitives::{
+    BodyShape, PlacedShape, Primitive, ShapeQueryError, UnknownPrimitive, query_shapes,
+};
 use cranny_record::{
     DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
 };
@@ -68,7 +71,7 @@ pub struct Replay {
 struct ReplayBody {
     drawn: DrawnBody,
     /// `None` where the recording does not say what collides.
-    model: Option<Model>,
+    shape: Option<BodyShape>,
 }
 
 /// A recorded moment.
@@ -124,10 +127,13 @@ impl Replay {
         let mut bodies = BTreeMap::new();
         let mut models = BTreeMap::new();
         for drawn in recording.bodies()? {
-            let model = model_of(&recording, &path, &drawn, &mut models)?;
-            let (name, shape) = (drawn.name.clone(), drawn.model.clone());
-            let before = bodies.insert(name.clone(), ReplayBody { drawn, model });
-            if before.is_some_and(|before: ReplayBody| before.drawn.model != shape) {
+            let shape = shape_of(&recording, &path, &drawn, &mut models)?;
+            let name = drawn.name.clone();
+            let said = (drawn.model.clone(), drawn.primitive.clone());
+            let before = bodies.insert(name.clone(), ReplayBody { drawn, shape });
+            let said_before =
+                |body: ReplayBody| (body.drawn.model.clone(), body.drawn.primitive.clone());
+            if before.map(said_before).is_some_and(|before| before != said) {
                 return Err(ReplayError::Reshaped { path, body: name });
             }
         }
@@ -194,14 +200,14 @@ impl Replay {
 
     /// The answer about a pair, in the frame and from the poses in which it was computed; `None`
     /// where the recording does not say what collides, or within what margin.
-    fn compute(&self, pair: &PairMessage) -> Option<Result<Answer, QueryError>> {
-        let model = |name: &str| self.bodies.get(name)?.model.as_ref();
-        let (a, b) = (model(&pair.a)?, model(&pair.b)?);
+    fn compute(&self, pair: &PairMessage) -> Option<Result<Answer, ShapeQueryError>> {
+        let shape = |name: &str| self.bodies.get(name)?.shape.as_ref();
+        let (a, b) = (shape(&pair.a)?, shape(&pair.b)?);
         let margin = pair.margin?;
         let question = Query::of(Demand::Regions { margin });
-        let ask = |models: [&Model; 2], poses: [Pose; 2]| {
-            let [first, second] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
-            query(first, second, &question, &mut PairMemory::default())
+        let ask = |shapes: [&BodyShape; 2], poses: [Pose; 2]| {
+            let [first, second] = [0, 1].map(|i| PlacedShape { shape: shapes[i], pose: poses[i] });
+            query_shapes(first, second, &question, &mut PairMemory::default())
         };
         let ExactPose(pose_a) = pair.pose_a;
         let ExactPose(pose_b) = pair.pose_b;
@@ -222,6 +228,25 @@ impl Replay {
             answer
         }))
     }
+}
+
+/// A primitive as it was written down, or the model.
+fn shape_of(
+    recording: &Recording,
+    path: &Path,
+    body: &DrawnBody,
+    known: &mut BTreeMap<String, Model>,
+) -> Result<Option<BodyShape>, ReplayError> {
+    let Some(text) = &body.primitive else {
+        return Ok(model_of(recording, path, body, known)?.map(Into::into));
+    };
+    let primitive: Result<Primitive, _> = text.parse();
+    let failed = |error: UnknownPrimitive| ReplayError::Model {
+        path: path.to_owned(),
+        body: body.name.clone(),
+        why: error.to_string(),
+    };
+    Ok(Some(primitive.map_err(failed)?.into()))
 }
 
 /// Loaded where it is attached, else prepared of what is drawn; one for all bodies that share it.
@@ -332,11 +357,12 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         _ => BodyKind::Dynamic,
     };
     let mesh = Arc::new(body.drawn.mesh.clone());
-    let collision = body.model.as_ref().map(|model| Arc::new(model.mesh().clone()));
+    let model = body.shape.as_ref().and_then(BodyShape::model);
+    let collision = model.map(|model| Arc::new(model.mesh().clone()));
     BodyDescription {
         name: body.drawn.name.clone(),
         collision: collision.unwrap_or_else(|| mesh.clone()),
-        model: body.model.clone(),
+        shape: body.shape.clone(),
         visual: Some(mesh),
         kind,
         pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),

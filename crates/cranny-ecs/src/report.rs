@@ -50,6 +50,9 @@ pub(crate) fn scene_hash(scene: &SceneDescription, source: Option<&str>) -> Stri
         hasher.update(&number.to_bits().to_le_bytes());
     }
     for body in &scene.bodies {
+        if let Some(primitive) = body.primitive() {
+            hasher.update(primitive.to_string().as_bytes());
+        }
         for p in body.collision.vertices().iter().flat_map(|p| p.to_array()) {
             hasher.update(&(p + 0.0).to_bits().to_le_bytes());
         }

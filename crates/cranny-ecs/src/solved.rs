@@ -16,7 +16,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
-use cranny_geometry::Model;
+use cranny_primitives::BodyShape;
 use cranny_rapier::{
     BodyIndex, Detector as Detection, Energy, JointIndex, MassSource, PairContacts, Simulation,
     SimulationError,
@@ -113,7 +113,7 @@ pub struct HeldJoint {
 pub(crate) struct Known {
     pub(crate) id: BodyId,
     pub(crate) entity: Entity,
-    model: Model,
+    shape: BodyShape,
     kind: BodyKind,
     normals: Normals,
     layers: Layers,
@@ -372,7 +372,7 @@ impl RigidBodies {
         let known = Known {
             id,
             entity: record.entity,
-            model: record.model.clone(),
+            shape: record.shape.clone(),
             kind: record.kind,
             normals: record.normals,
             layers: layers_of(effects),
@@ -407,15 +407,15 @@ impl RigidBodies {
     ) -> Result<(), SimulationError> {
         let Some(known) = self.known.get_mut(&index) else { return Ok(()) };
         let layers = layers_of(effects);
-        let reshaped = !known.model.is_same(&record.model) || known.normals != record.normals;
+        let reshaped = !known.shape.is_same(&record.shape) || known.normals != record.normals;
         if known.kind != record.kind {
             let kind = rapier_kind(record.kind);
-            self.simulation.set_kind(index, kind, &record.model, mass)?;
+            self.simulation.set_kind(index, kind, &record.shape, mass)?;
             known.kind = record.kind;
         }
         if reshaped {
-            self.simulation.set_shape(index, &record.model, record.normals, mass)?;
-            (known.model, known.normals) = (record.model.clone(), record.normals);
+            self.simulation.set_shape(index, &record.shape, record.normals, mass)?;
+            (known.shape, known.normals) = (record.shape.clone(), record.normals);
         }
         if known.layers != layers {
             self.simulation.set_groups(index, layers.memberships, layers.filters);
@@ -436,7 +436,7 @@ impl RigidBodies {
         let simulation = &mut self.simulation;
         let reweighed = (before.density, before.mass) != (given.density, given.mass);
         if reweighed && known.kind == BodyKind::Dynamic {
-            simulation.set_mass(index, &known.model, given.mass_source())?;
+            simulation.set_mass(index, &known.shape, given.mass_source())?;
         }
         known.given = given;
         if before.transform != given.transform {

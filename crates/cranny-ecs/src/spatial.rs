@@ -5,24 +5,20 @@ use bevy_ecs::system::SystemParam;
 use bevy_math::{Dir3, Vec3};
 use bevy_transform::components::Transform;
 use cranny_exact::{Aabb, DVec3, Pose};
-use cranny_geometry::{FaceId, Model};
-use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
-use cranny_narrow_phase::{
-    Answer, Demand, PairMemory, Placed, Query as PairQuery, QueryError, query,
+use cranny_geometry::FaceId;
+use cranny_impact::{ImpactError, Motion};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query as PairQuery};
+use cranny_primitives::{
+    BodyShape, PlacedShape, PrimitiveError, Separation, ShapeQueryError, ShapeRayHit,
+    cast_ray_at_shape, query_shapes, separation_of_point,
 };
-use cranny_primitives::separation;
-use cranny_primitives::{Ball, PrimitiveError, RayHit, Separation, cast_ray, contains_point};
 use cranny_world::{Layers, world_box};
 use thiserror::Error;
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
 use crate::collider::Collider;
-use crate::kinematics::center_of_mass;
 use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
-
-/// How near surfaces are where a cast ends, as a share of the smaller body's radius. Larger: bodies
-/// stop visibly short; smaller: f32 cannot tell, and it takes longer.
-const CAST_TOLERANCE: f64 = 1e-6;
+use crate::sweep::{MovingShape, Swept, first_meeting};
 
 /// Which bodies a question is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,9 +68,9 @@ pub enum SpatialQueryError {
     /// A place, direction or length that is none.
     #[error(transparent)]
     Number(#[from] PrimitiveError),
-    /// A pose, margin or length that the narrow phase refuses.
+    /// A pose, margin or length that is refused.
     #[error(transparent)]
-    Query(#[from] QueryError),
+    Query(#[from] ShapeQueryError),
     /// A motion that cannot be followed.
     #[error(transparent)]
     Motion(#[from] ImpactError),
@@ -91,8 +87,8 @@ pub struct RayHitData {
     pub point: DVec3,
     /// Unit, out of the face.
     pub normal: DVec3,
-    /// The face of the collider's mesh.
-    pub face: FaceId,
+    /// The face of the collider's mesh; `None` of a primitive.
+    pub face: Option<FaceId>,
     /// Whether the ray comes from inside the body's solid.
     pub from_inside: bool,
 }
@@ -115,7 +111,7 @@ pub struct ShapeHitData {
 pub struct ClosestPoints {
     /// Between their surfaces, >= 0; 0 where they meet.
     pub distance: f64,
-    /// A point of each that realises it.
+    /// A point of each that realises it; their origins where a primitive meets the other.
     pub points: [DVec3; 2],
     /// Whether they share interior points, or one lies inside the other.
     pub overlap: bool,
@@ -150,7 +146,8 @@ pub enum TimeOfImpact {
 ///
 /// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through
 /// no edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
-/// nothing, however thin or fast. A question costs a box a body, and beyond that what lies near.
+/// nothing, however thin or fast. Of primitives it is right to rounding, and rays to parry's
+/// tolerance. A question costs a box a body, and beyond that what lies near.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -190,12 +187,12 @@ struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    fn model(&self) -> &'a Model {
-        &self.record.model
+    fn shape(&self) -> &'a BodyShape {
+        &self.record.shape
     }
 
     fn bounds(&self) -> Aabb {
-        world_box(self.model(), &self.pose, 0.0)
+        world_box(self.shape(), &self.pose, 0.0)
     }
 }
 
@@ -266,29 +263,28 @@ impl SpatialQuery<'_, '_> {
             // Beyond what is met already nothing matters.
             let share = first.map_or(1.0, |hit| (hit.distance / length).min(1.0));
             let motion = Motion::straight(start, share * travel);
-            let ends = [0.0, 1.0].map(|t| world_box(shape.model(), &motion.pose_at(t), 0.0));
+            let ends = [0.0, 1.0].map(|t| world_box(shape.shape(), &motion.pose_at(t), 0.0));
             let swept = ends[0].union(&ends[1]);
             if !swept.overlaps(&body.bounds()) {
                 continue;
             }
-            let moving = Moving { model: shape.model(), motion };
-            let still = Moving { model: body.model(), motion: Motion::at_rest(body.pose) };
+            let moving = MovingShape { shape: shape.shape(), motion };
+            let still = MovingShape { shape: body.shape(), motion: Motion::at_rest(body.pose) };
             let entity = body.record.entity;
             let before = first.is_some_and(|hit| hit.distance == 0.0);
-            let (impact, _) = time_of_impact(moving, still, &options(moving, still))?;
-            first = match impact {
-                Impact::None => first,
-                Impact::Initially { .. } if before => first,
-                Impact::Initially { .. } => {
+            first = match first_meeting(moving, still)? {
+                Swept::Free => first,
+                Swept::Initially if before => first,
+                Swept::Initially => {
                     Some(ShapeHitData { entity, distance: 0.0, point: None, normal: None })
                 }
-                Impact::Hit(hit) => Some(ShapeHitData {
+                Swept::Hit { time, point, normal } => Some(ShapeHitData {
                     entity,
-                    distance: share * length * hit.time.lo,
-                    point: Some(hit.witnesses[1].point),
-                    normal: Some(-hit.normal),
+                    distance: share * length * time,
+                    point: Some(point),
+                    normal: Some(-normal),
                 }),
-                Impact::Open { free_before } => Some(ShapeHitData {
+                Swept::Open { free_before } => Some(ShapeHitData {
                     entity,
                     distance: share * length * free_before,
                     point: None,
@@ -310,8 +306,8 @@ impl SpatialQuery<'_, '_> {
         at: &Transform,
         filter: &SpatialQueryFilter,
     ) -> Result<Vec<Entity>, SpatialQueryError> {
-        let here = Placed { model: shape.model(), pose: pose_of(at) };
-        let around = world_box(here.model, &here.pose, 0.0);
+        let here = PlacedShape { shape: shape.shape(), pose: pose_of(at) };
+        let around = world_box(here.shape, &here.pose, 0.0);
         let mut met = Vec::new();
         for body in self.candidates(filter).filter(|body| around.overlaps(&body.bounds())) {
             let answer = asked(here, placed(&body), Demand::Intersects)?;
@@ -325,7 +321,10 @@ impl SpatialQuery<'_, '_> {
     /// The bodies in whose solids a point lies, by ascending ids.
     #[must_use]
     pub fn point_intersections(&self, point: Vec3, filter: &SpatialQueryFilter) -> Vec<Entity> {
-        let holds = |body: &Candidate<'_>| contains_point(body.model(), in_frame_of(body, point));
+        let holds = |body: &Candidate<'_>| {
+            let here = in_frame_of(body, point);
+            separation_of_point(body.shape(), here, 0.0) == Ok(Separation::Meeting)
+        };
         self.candidates(filter).filter(holds).map(|body| body.record.entity).collect()
     }
 
@@ -347,25 +346,21 @@ impl SpatialQuery<'_, '_> {
             let within = nearest.map_or(max_distance, |found| found.distance);
             let here = in_frame_of(&body, point);
             let entity = body.record.entity;
-            let found =
-                match separation(body.model(), &Ball { center: here, radius: 0.0 }.into(), within)?
-                {
-                    Separation::Farther => None,
-                    Separation::Meeting => Some(PointProjection {
-                        entity,
-                        point: widened(point),
-                        distance: 0.0,
-                        is_inside: true,
-                    }),
-                    Separation::Apart { distance, witnesses: [on_body, _] } => {
-                        Some(PointProjection {
-                            entity,
-                            point: body.pose.world_from_body().apply(on_body),
-                            distance,
-                            is_inside: false,
-                        })
-                    }
-                };
+            let found = match separation_of_point(body.shape(), here, within)? {
+                Separation::Farther => None,
+                Separation::Meeting => Some(PointProjection {
+                    entity,
+                    point: widened(point),
+                    distance: 0.0,
+                    is_inside: true,
+                }),
+                Separation::Apart { distance, witnesses: [on_body, _] } => Some(PointProjection {
+                    entity,
+                    point: body.pose.world_from_body().apply(on_body),
+                    distance,
+                    is_inside: false,
+                }),
+            };
             let nearer = |found: &PointProjection| {
                 nearest.is_none_or(|nearest| found.distance < nearest.distance)
             };
@@ -419,19 +414,18 @@ impl SpatialQuery<'_, '_> {
                 self.bodies.get(entity).map_err(|_| SpatialQueryError::NoBody { entity })?;
             let motion = Motion {
                 start: body.pose,
-                pivot: center_of_mass(body.model()),
+                pivot: body.shape().center(),
                 turn: seconds * widened(angular.0),
                 travel: seconds * widened(linear.0),
             };
-            Ok::<_, SpatialQueryError>(Moving { model: body.model(), motion })
+            Ok::<_, SpatialQueryError>(MovingShape { shape: body.shape(), motion })
         };
         let [a, b] = [moving(a)?, moving(b)?];
-        let (impact, _) = time_of_impact(a, b, &options(a, b))?;
-        Ok(match impact {
-            Impact::None => TimeOfImpact::None,
-            Impact::Initially { .. } => TimeOfImpact::At(0.0),
-            Impact::Hit(hit) => TimeOfImpact::At(seconds * hit.time.lo),
-            Impact::Open { free_before } => TimeOfImpact::FreeFor(seconds * free_before),
+        Ok(match first_meeting(a, b)? {
+            Swept::Free => TimeOfImpact::None,
+            Swept::Initially => TimeOfImpact::At(0.0),
+            Swept::Hit { time, .. } => TimeOfImpact::At(seconds * time),
+            Swept::Open { free_before } => TimeOfImpact::FreeFor(seconds * free_before),
         })
     }
 
@@ -456,12 +450,16 @@ impl SpatialQuery<'_, '_> {
     }
 }
 
-fn placed<'a>(body: &Candidate<'a>) -> Placed<'a> {
-    Placed { model: body.model(), pose: body.pose }
+fn placed<'a>(body: &Candidate<'a>) -> PlacedShape<'a> {
+    PlacedShape { shape: body.shape(), pose: body.pose }
 }
 
-fn asked(a: Placed<'_>, b: Placed<'_>, demand: Demand) -> Result<Answer, QueryError> {
-    query(a, b, &PairQuery::of(demand), &mut PairMemory::default())
+fn asked(
+    a: PlacedShape<'_>,
+    b: PlacedShape<'_>,
+    demand: Demand,
+) -> Result<Answer, ShapeQueryError> {
+    query_shapes(a, b, &PairQuery::of(demand), &mut PairMemory::default())
 }
 
 fn in_frame_of(body: &Candidate<'_>, point: Vec3) -> DVec3 {
@@ -477,13 +475,14 @@ fn ray_at(
 ) -> Result<Option<RayHitData>, PrimitiveError> {
     let map = body.pose.world_from_body();
     let along = map.inverse().apply_vector(widened(direction.as_vec3()));
-    let hit = cast_ray(body.model(), in_frame_of(body, origin), along, within)?;
-    Ok(hit.map(|RayHit { distance, point, normal, face, from_behind }| RayHitData {
+    let hit = cast_ray_at_shape(body.shape(), in_frame_of(body, origin), along, within)?;
+    let filed = |face| body.record.model().map(|model| model.filed_face(face));
+    Ok(hit.map(|ShapeRayHit { distance, point, normal, face, from_behind }| RayHitData {
         entity: body.record.entity,
         distance,
         point: map.apply(point),
         normal: map.apply_vector(normal),
-        face: body.model().filed_face(face),
+        face: face.and_then(filed),
         from_inside: from_behind,
     }))
 }
@@ -491,8 +490,4 @@ fn ray_at(
 fn finite(what: &'static str, value: Vec3) -> Result<DVec3, PrimitiveError> {
     let value = widened(value);
     if value.is_finite() { Ok(value) } else { Err(PrimitiveError::Place { what, value }) }
-}
-
-fn options(a: Moving<'_>, b: Moving<'_>) -> ImpactOptions {
-    ImpactOptions::within(CAST_TOLERANCE * a.model.radius().min(b.model.radius()))
 }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
-use cranny_geometry::{Mesh, Model};
+use cranny_geometry::Mesh;
+use cranny_primitives::BodyShape;
 use cranny_world::Layers;
 use cranny_world::description::{
     Accuracy, BodyDescription, BodyKind, Effect, Normals, SceneDescription, TrackerDescription,
@@ -67,7 +68,7 @@ impl LayerNames {
 #[derive(Clone, Debug)]
 pub struct SpawnScene {
     scene: Arc<SceneDescription>,
-    models: Vec<Model>,
+    shapes: Vec<BodyShape>,
     /// Whether the app asks for the scene's effects already.
     effects_known: bool,
 }
@@ -81,8 +82,8 @@ impl SpawnScene {
     /// have, or more layers than there are bits.
     pub fn new(scene: &SceneDescription) -> Result<Self, SceneAppError> {
         check(scene)?;
-        let models = build_models(scene)?;
-        Ok(Self { scene: Arc::new(scene.clone()), models, effects_known: false })
+        let shapes = build_shapes(scene)?;
+        Ok(Self { scene: Arc::new(scene.clone()), shapes, effects_known: false })
     }
 
     /// For an app whose effects for all bodies are the scene's.
@@ -90,10 +91,10 @@ impl SpawnScene {
         Self { effects_known: true, ..self }
     }
 
-    /// The models of the bodies, in the scene's order.
+    /// What the bodies are made of, in the scene's order.
     #[must_use]
-    pub fn models(&self) -> &[Model] {
-        &self.models
+    pub fn shapes(&self) -> &[BodyShape] {
+        &self.shapes
     }
 
     /// Spawns the scene; returns the entities of its bodies, in the scene's order.
@@ -194,7 +195,7 @@ impl SpawnScene {
         }
         add_effects(&mut entity, &body.effects);
         add_effects(&mut entity, &self.effects_of_scene(self.scene.accuracy));
-        entity.insert(Collider::from(&self.models[index])).id()
+        entity.insert(Collider::from(self.shapes[index].clone())).id()
     }
 
     /// The scene's effects, at a level where it states none; empty where the app has them already.
@@ -276,24 +277,28 @@ fn check_trackers(scene: &SceneDescription) -> Result<(), SceneAppError> {
     Ok(())
 }
 
-/// A model for each body of a scene; bodies that share a mesh share the model.
-fn build_models(scene: &SceneDescription) -> Result<Vec<Model>, SceneAppError> {
-    let mut built: BTreeMap<*const Mesh, Model> = BTreeMap::new();
-    let mut models = Vec::with_capacity(scene.bodies.len());
+/// The shape of each body of a scene; bodies that share a mesh share the model.
+fn build_shapes(scene: &SceneDescription) -> Result<Vec<BodyShape>, SceneAppError> {
+    let mut built: BTreeMap<*const Mesh, BodyShape> = BTreeMap::new();
+    let mut shapes = Vec::with_capacity(scene.bodies.len());
     for body in &scene.bodies {
-        let key = Arc::as_ptr(&body.collision);
-        if let Some(model) = &body.model {
-            built.insert(key, model.clone());
+        if body.primitive().is_some() {
+            shapes.extend(body.shape.clone());
+            continue;
         }
-        let model = match built.get(&key) {
-            Some(model) => model.clone(),
+        let key = Arc::as_ptr(&body.collision);
+        if let Some(prepared) = &body.shape {
+            built.insert(key, prepared.clone());
+        }
+        let shape = match built.get(&key) {
+            Some(shape) => shape.clone(),
             None => {
                 let collider = Collider::from_mesh(Mesh::clone(&body.collision))
                     .map_err(|source| SceneAppError::Model { body: body.name.clone(), source })?;
-                built.entry(key).or_insert(collider.model().clone()).clone()
+                built.entry(key).or_insert(collider.shape().clone()).clone()
             }
         };
-        models.push(model);
+        shapes.push(shape);
     }
-    Ok(models)
+    Ok(shapes)
 }

@@ -98,7 +98,7 @@ fn lead(
 ) {
     let _running = stopwatch.start(EffectKind::Tracking);
     for (led, mut tracker) in &mut tracked {
-        let reach = bodies.get(led.id()).map_or(0.0, |record| record.model.radius());
+        let reach = bodies.get(led.id()).map_or(0.0, |record| record.extent());
         let Some(shown) = tracker.advance(time.seconds() + time.step(), reach) else { continue };
         steering.lead(led, &shown.pose, shown.appears);
     }

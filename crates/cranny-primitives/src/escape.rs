@@ -12,6 +12,9 @@
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, Region, query};
 
+use crate::between::{PlacedShape, ShapeQueryError, deepest, query_shapes};
+use crate::shape::BodyShape;
+
 /// How often a body is led on along one direction. More: a screw in its thread takes longer to be
 /// given up; fewer: bodies with many regions are led as far as their hulls reach.
 const ROUNDS: usize = 8;
@@ -73,6 +76,68 @@ pub fn way_apart(
         }
     }
     Ok(shortest)
+}
+
+/// The same of shapes of which either may be a primitive; `answer` is one of
+/// [`Demand::Regions`] of [`query_shapes`]. Beside a primitive the second body is led along the
+/// deepest contact, from one to the next, and what has not come out after a few rounds until a
+/// plane parts the two.
+///
+/// `None` also of two half-spaces that meet: there is no way out.
+///
+/// # Errors
+///
+/// [`ShapeQueryError`], as [`query_shapes`].
+pub fn way_apart_of_shapes(
+    a: PlacedShape<'_>,
+    b: PlacedShape<'_>,
+    answer: &Answer,
+) -> Result<Option<DVec3>, ShapeQueryError> {
+    if let (BodyShape::Model(first), BodyShape::Model(second)) = (a.shape, b.shape) {
+        let [a, b] =
+            [(first, a.pose), (second, b.pose)].map(|(model, pose)| Placed { model, pose });
+        return Ok(way_apart(a, b, answer)?);
+    }
+    if !answer.solid {
+        return Ok(None);
+    }
+    let room = ROOM * [a, b].map(extent).into_iter().fold(0.0, f64::max);
+    let (direction, contacts) = (first_direction(a, b, answer), Query::of(Demand::contacts(0.0)));
+    let (mut moved, mut now) = (DVec3::ZERO, answer.clone());
+    for _ in 0..ROUNDS {
+        let Some(contact) = deepest(&now) else { break };
+        moved += contact.normal * (room - contact.separation);
+        let mut pose = b.pose;
+        pose.translation += moved;
+        now = query_shapes(a, PlacedShape { pose, ..b }, &contacts, &mut PairMemory::default())?;
+        if !now.solid {
+            return Ok(Some(moved));
+        }
+    }
+    let until = reach_along(a, direction) + reach_along(b, -direction);
+    Ok(until.is_finite().then(|| direction * (until + room)))
+}
+
+/// Along the deepest contact; between the centres where none is found.
+fn first_direction(a: PlacedShape<'_>, b: PlacedShape<'_>, answer: &Answer) -> DVec3 {
+    let center = |p: PlacedShape<'_>| p.pose.world_from_body().apply(p.shape.center());
+    let between = || (center(b) - center(a)).try_normalize().unwrap_or(DVec3::Z);
+    deepest(answer).map_or_else(between, |contact| contact.normal)
+}
+
+/// How large a placed shape is and how far from the origin; of a half-space, where its plane is.
+fn extent(placed: PlacedShape<'_>) -> f64 {
+    let radius = Some(placed.shape.radius()).filter(|radius| radius.is_finite());
+    radius.unwrap_or_else(|| placed.shape.center().length()) + placed.pose.translation.length()
+}
+
+/// The greatest product of a point of a placed shape with a direction; infinite for a half-space.
+fn reach_along(placed: PlacedShape<'_>, direction: DVec3) -> f64 {
+    match (placed.shape, placed.primitive()) {
+        (BodyShape::Model(model), _) => height(Placed { model, pose: placed.pose }, direction),
+        (_, Some(primitive)) => primitive.reach(direction),
+        _ => f64::INFINITY,
+    }
 }
 
 /// Unit vectors along which the second model may come out. There is always one.
@@ -144,12 +209,14 @@ fn along(
 
 /// How far the second model moves until a plane across the direction parts the hulls.
 fn until_hulls_part(a: Placed<'_>, b: Placed<'_>, direction: DVec3) -> f64 {
-    let height = |placed: Placed<'_>, along: DVec3| {
-        let (map, hull) = (placed.pose.world_from_body(), placed.model.hull());
-        let top = hull.support(map.inverse().apply_vector(along), None);
-        top.map_or(0.0, |top| map.apply(hull.position(top)).dot(direction))
-    };
-    let (highest, lowest) = (height(a, direction), height(b, -direction));
+    let until = height(a, direction) + height(b, -direction);
     let size = [a, b].map(|placed| placed.pose.translation.length() + placed.model.radius());
-    highest - lowest + ROOM * size[0].max(size[1])
+    until + ROOM * size[0].max(size[1])
+}
+
+/// The greatest product of a point of a placed model with a direction.
+fn height(placed: Placed<'_>, along: DVec3) -> f64 {
+    let (map, hull) = (placed.pose.world_from_body(), placed.model.hull());
+    let top = hull.support(map.inverse().apply_vector(along), None);
+    top.map_or(0.0, |top| map.apply(hull.position(top)).dot(along))
 }

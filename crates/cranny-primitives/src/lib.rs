@@ -21,7 +21,8 @@
 //! few units of rounding may be found to touch. (Between models that are not rounded they are.)
 //! A segment that lies flush over a face and ends exactly above an edge to a face of the same plane
 //! gets no contact. Casts of primitives are not here; those of rays are
-//! [`cast_ray`], whose verdicts are exact.
+//! [`cast_ray`], whose verdicts are exact, and [`cast_ray_at_shape`]. Two cylinders or cones, and
+//! contacts of two primitives, are parry's, to its tolerances.
 //!
 //! # A ball over a mesh
 //!
@@ -57,11 +58,15 @@
 //! where the signed distance from one is least on a segment, a triangle, a model. `contacts` finds
 //! where a mesh is locally nearest to a primitive, by the `normal_cone` of each feature and by what
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
-//! with rounded edges. `ray` casts rays. `deep` finds contacts that lead a solver's bodies out of a
-//! deep overlap, and `percussion` the places at which to lead a body without turning it; `escape`
+//! with rounded edges. `shape` is what a body is made of, a model or a primitive; `between` answers
+//! about two of them, `convex` about two primitives. `ray` casts rays at models, `shape_ray` at
+//! shapes. `text` writes primitives down. `deep` finds contacts that lead a solver's bodies out of
+//! a deep overlap, and `percussion` the places at which to lead a body without turning it; `escape`
 //! finds a translation that ends an overlap, for whoever has no solver.
 
+mod between;
 mod contacts;
+mod convex;
 pub mod deep;
 mod escape;
 mod inside;
@@ -72,15 +77,22 @@ mod ray;
 pub mod revolved;
 mod rounded;
 mod separation;
+mod shape;
+mod shape_ray;
+mod text;
 
+pub use between::{PlacedShape, ShapeQueryError, query_shapes};
 pub use contacts::contacts;
-pub use escape::way_apart;
+pub use escape::{way_apart, way_apart_of_shapes};
 pub use inside::contains_point;
 pub use percussion::percussion_centers;
 pub use primitive::{Ball, Capsule, Cone, Cylinder, HalfSpace, Primitive, PrimitiveError, Segment};
 pub use ray::{RayHit, cast_ray};
 pub use rounded::{Rounded, rounded, rounded_contacts, rounded_separation};
 pub use separation::{Separation, meets, separation};
+pub use shape::BodyShape;
+pub use shape_ray::{ShapeRayHit, cast_ray_at_shape, separation_of_point};
+pub use text::UnknownPrimitive;
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

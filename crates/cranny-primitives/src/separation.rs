@@ -3,8 +3,10 @@
 use std::cell::Cell;
 
 use cranny_exact::DVec3;
-use cranny_geometry::Model;
+use cranny_geometry::{Model, VertexId};
+use cranny_narrow_phase::Feature;
 
+use crate::between::WHOLE_PRIMITIVE;
 use crate::contacts::lowest;
 use crate::inside::contains_point;
 use crate::primitive::{Checked, Plane, Primitive, PrimitiveError};
@@ -40,6 +42,40 @@ pub fn separation(
     primitive: &Primitive,
     within: f64,
 ) -> Result<Separation, PrimitiveError> {
+    found(model, primitive, within).map(Into::into)
+}
+
+impl From<Found> for Separation {
+    fn from(found: Found) -> Self {
+        match found {
+            Found::Meeting | Found::Inside => Self::Meeting,
+            Found::Farther => Self::Farther,
+            Found::Apart { distance, points, .. } => Self::Apart { distance, witnesses: points },
+        }
+    }
+}
+
+/// The same, with what else is known.
+pub(crate) enum Found {
+    Meeting,
+    /// The second lies wholly in the first.
+    Inside,
+    Apart {
+        /// Least distance, > 0 but for rounding.
+        distance: f64,
+        /// Points of each that realise it.
+        points: [DVec3; 2],
+        /// What holds them.
+        features: [Feature; 2],
+    },
+    Farther,
+}
+
+pub(crate) fn found(
+    model: &Model,
+    primitive: &Primitive,
+    within: f64,
+) -> Result<Found, PrimitiveError> {
     Ok(match primitive.checked()? {
         Checked::Round(solid) => of_round(model, &solid, within),
         Checked::HalfSpace(plane) => of_half_space(model, &plane, within),
@@ -55,38 +91,46 @@ pub fn meets(model: &Model, primitive: &Primitive) -> Result<bool, PrimitiveErro
     Ok(separation(model, primitive, 0.0)? == Separation::Meeting)
 }
 
-fn of_round(model: &Model, solid: &Revolved, within: f64) -> Separation {
+fn of_round(model: &Model, solid: &Revolved, within: f64) -> Found {
     let found = nearest_face(model, solid, within);
-    if found.is_some_and(|nearest| nearest.distance <= 0.0) || contains_point(model, solid.middle())
-    {
-        return Separation::Meeting;
+    if found.is_some_and(|nearest| nearest.distance <= 0.0) {
+        return Found::Meeting;
     }
-    found.map_or(Separation::Farther, |nearest| Separation::Apart {
+    if contains_point(model, solid.middle()) {
+        return Found::Inside;
+    }
+    found.map_or(Found::Farther, |nearest| Found::Apart {
         distance: nearest.distance,
-        witnesses: [nearest.on_model, nearest.on_solid],
+        points: [nearest.on_model, nearest.on_solid],
+        features: [nearest.feature, WHOLE_PRIMITIVE],
     })
 }
 
-fn of_half_space(model: &Model, plane: &Plane, within: f64) -> Separation {
+fn of_half_space(model: &Model, plane: &Plane, within: f64) -> Found {
     let Plane { normal, offset } = *plane;
     let best = Cell::new(within + offset);
-    let mut nearest: Option<DVec3> = None;
+    let mut nearest: Option<VertexId> = None;
     model.tree().visit(
         |b| lowest(b, normal) <= best.get(),
         |face| {
-            for p in model.mesh().triangle(face) {
-                let height = normal.dot(p);
+            for vertex in model.mesh().corners(face) {
+                let height = normal.dot(model.mesh().position(vertex));
                 if height < best.get() || (nearest.is_none() && height <= best.get()) {
                     best.set(height);
-                    nearest = Some(p);
+                    nearest = Some(vertex);
                 }
             }
         },
     );
-    let Some(on_model) = nearest else { return Separation::Farther };
+    let Some(vertex) = nearest else { return Found::Farther };
     let distance = best.get() - offset;
     if distance <= 0.0 {
-        return Separation::Meeting;
+        return Found::Meeting;
     }
-    Separation::Apart { distance, witnesses: [on_model, on_model - normal * distance] }
+    let on_model = model.mesh().position(vertex);
+    Found::Apart {
+        distance,
+        points: [on_model, on_model - normal * distance],
+        features: [Feature::Vertex(vertex), WHOLE_PRIMITIVE],
+    }
 }

@@ -16,7 +16,7 @@ fn falls(origin: DVec3) -> Vec<Pose> {
     let options = SimulationOptions { step: 1.0 / 240.0, ..SimulationOptions::default() };
     let mut simulation = Simulation::new(options);
     let body = |kind, axis, at| BodySpec {
-        model: &ring,
+        shape: (&ring).into(),
         kind,
         pose: Pose { rotation: DQuat::from_rotation_arc(DVec3::Z, axis), translation: origin + at },
         linear_velocity: DVec3::ZERO,

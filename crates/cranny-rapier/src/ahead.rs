@@ -18,9 +18,8 @@ mod pace;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use cranny_exact::{DMat3, DVec3};
-use cranny_geometry::Model;
 use cranny_narrow_phase::Approach;
-use cranny_primitives::deep::thickness;
+use cranny_primitives::BodyShape;
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -45,6 +44,12 @@ const UNFORESEEN: Real = 0.25;
 /// The longest of a box of motions.
 fn longest(may: &Aabb) -> Real {
     may.mins.abs().max(may.maxs.abs()).length()
+}
+
+/// How far a point of a body moves at most as it turns by an angle. What does not turn does not
+/// move, however large it is: a half-space has no radius.
+fn spin_of(angle: Real, radius: Real) -> Real {
+    if angle == 0.0 { 0.0 } else { angle * radius }
 }
 
 /// What a body does in the next step.
@@ -73,7 +78,7 @@ impl Motion {
             center: *body.position() * tagged.center,
             linear,
             angular: body.angvel() * dt,
-            spin: body.angvel().length() * dt * tagged.radius,
+            spin: spin_of(body.angvel().length() * dt, tagged.radius),
             may: Aabb::new(linear, linear),
         }
     }
@@ -214,26 +219,23 @@ pub(crate) struct Tagged {
     pub(crate) collider: ColliderHandle,
     /// Of mass, in the body's frame.
     pub(crate) center: Vector,
-    /// About the centre of mass.
+    /// About the centre of mass; infinite of a half-space.
     pub(crate) radius: Real,
     /// Twice its volume over its area, which is the radius of a long wire and the height of a wide
-    /// sheet; infinite where a model has no volume.
+    /// sheet; infinite where it has no volume.
     pub(crate) thickness: Real,
 }
 
 impl Tagged {
     /// `center` is the centre of mass that the body has, if it has one; else it is the solid's, and
     /// the origin where a model has none.
-    pub(crate) fn new(model: &Model, collider: ColliderHandle, center: Option<DVec3>) -> Self {
-        let solid = || model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
-        let center = center.unwrap_or_else(solid);
-        let away = |p: &DVec3| p.distance(center);
-        let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
+    pub(crate) fn new(shape: &BodyShape, collider: ColliderHandle, center: Option<DVec3>) -> Self {
+        let center = center.unwrap_or_else(|| shape.center());
         Self {
             collider,
             center: narrow(center),
-            radius: radius as Real,
-            thickness: thickness(model) as Real,
+            radius: shape.radius_about(center) as Real,
+            thickness: shape.thickness() as Real,
         }
     }
 }
@@ -253,7 +255,9 @@ impl World<'_> {
     fn motion(&self, tag: usize, dt: Real) -> Option<Motion> {
         let (tagged, body) = (&self.tagged[tag], self.body(tag)?);
         // Where somebody put the body: its collider follows within the step.
-        let bounds = self.colliders.get(tagged.collider)?.shape().compute_aabb(body.position());
+        let collider = self.colliders.get(tagged.collider)?;
+        let place = collider.position_wrt_parent().copied().unwrap_or(Pose::IDENTITY);
+        let bounds = collider.shape().compute_aabb(&(*body.position() * place));
         Some(Motion::of(body, bounds, tagged, dt))
     }
 }

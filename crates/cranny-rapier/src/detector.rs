@@ -6,9 +6,12 @@ use std::str::FromStr;
 
 use cranny_geometry::{Model, check_crease_angle};
 use cranny_narrow_phase::Normals;
+use cranny_primitives::BodyShape;
+use rapier3d::math::Pose;
 use rapier3d::parry::shape::{SharedShape, TriMeshFlags};
 use thiserror::Error;
 
+use crate::partners::placed;
 use crate::shape::{MeshShape, ShapeError, buffers};
 
 /// A way of detecting contacts in rapier.
@@ -88,6 +91,31 @@ impl Detector {
                     .map_err(|_| ShapeError::Decomposition)?
             }
         })
+    }
+}
+
+impl Detector {
+    /// The collider of a body: its shape, and where that stands in the body's frame. A primitive is
+    /// rapier's own with any detector.
+    pub(crate) fn collider(
+        self,
+        shape: &BodyShape,
+        normals: Normals,
+        tag: u32,
+    ) -> Result<(SharedShape, Pose), ShapeError> {
+        match (shape, normals) {
+            (BodyShape::Model(model), _) => {
+                Ok((self.shape_with(model, normals, tag)?, Pose::IDENTITY))
+            }
+            (BodyShape::Primitive(primitive), Normals::Flat) => {
+                primitive.check()?;
+                let (place, shape) = placed(primitive);
+                Ok((shape, place))
+            }
+            (BodyShape::Primitive(primitive), Normals::Smooth { .. }) => {
+                Err(ShapeError::SmoothPrimitive { what: primitive.name() })
+            }
+        }
     }
 }
 

@@ -32,7 +32,7 @@
 //! let (model, _) = Model::build(cube, &BuildOptions::default())?;
 //! let mut simulation = Simulation::new(SimulationOptions::default());
 //! let spec = |kind, z| BodySpec {
-//!     model: &model,
+//!     shape: (&model).into(),
 //!     kind,
 //!     pose: Pose::at(DVec3::new(0.0, 0.0, z)),
 //!     linear_velocity: DVec3::ZERO,

@@ -2,11 +2,13 @@
 
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Model;
-use rapier3d::math::{Matrix, Real};
+use cranny_primitives::{BodyShape, Primitive};
+use rapier3d::math::{Matrix, Pose, Real};
 use rapier3d::parry::mass_properties::MassProperties;
 use thiserror::Error;
 
 use crate::convert::narrow;
+use crate::partners::placed;
 
 /// A body without mass.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -17,6 +19,12 @@ pub enum MassError {
         "the mesh is not closed, so it has no volume and no mass: close it, or make the body fixed or kinematic"
     )]
     NotClosed,
+    /// A primitive that bounds no solid.
+    #[error("a {what} has no mass: make the body fixed or kinematic")]
+    NoVolume {
+        /// "half-space" or "segment".
+        what: &'static str,
+    },
     /// The mass is no positive number that rapier can hold.
     #[error("volume {volume:e} x density {density:e} is no positive mass that rapier can hold")]
     NotPositive {
@@ -72,15 +80,21 @@ impl MassSource {
         }
     }
 
-    /// rapier's mass properties of a body of this model.
+    /// rapier's mass properties of a collider of this shape, in the collider's frame.
     ///
     /// # Errors
     ///
     /// [`MassError`]: there is no solid, or a number is out of range.
-    pub(crate) fn properties(&self, model: &Model) -> Result<MassProperties, MassError> {
-        match *self {
-            Self::Density(density) => mass_properties(model, density),
-            Self::Stated(stated) => stated.properties(),
+    pub(crate) fn properties(&self, shape: &BodyShape) -> Result<MassProperties, MassError> {
+        match (*self, shape) {
+            (Self::Density(density), BodyShape::Model(model)) => mass_properties(model, density),
+            (Self::Density(density), BodyShape::Primitive(primitive)) => {
+                of_primitive(primitive, density)
+            }
+            (Self::Stated(stated), _) => {
+                let place = shape.primitive().map_or(Pose::IDENTITY, |p| placed(p).0);
+                Ok(stated.properties()?.transform_by(&place.inverse()))
+            }
         }
     }
 }
@@ -104,6 +118,20 @@ impl StatedMass {
         }
         Err(MassError::Stated { mass, least_moment: least.into() })
     }
+}
+
+/// rapier's own of a primitive, in its collider's frame.
+fn of_primitive(primitive: &Primitive, density: f64) -> Result<MassProperties, MassError> {
+    let what = primitive.name();
+    if matches!(primitive, Primitive::HalfSpace(_) | Primitive::Segment(_)) {
+        return Err(MassError::NoVolume { what });
+    }
+    let mass = placed(primitive).1.mass_properties(density as Real);
+    if mass.mass() > 0.0 && mass.mass().is_finite() {
+        return Ok(mass);
+    }
+    let volume = f64::from(placed(primitive).1.mass_properties(1.0).mass());
+    Err(MassError::NotPositive { volume, density })
 }
 
 /// Mass properties of the solid that the model bounds, computed in f64.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use cranny_geometry::{CreaseAngleError, Model, SmoothNormals};
 use cranny_narrow_phase::Normals;
+use cranny_primitives::PrimitiveError;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -35,6 +36,15 @@ pub enum ShapeError {
     /// No mass can be computed.
     #[error(transparent)]
     Mass(#[from] MassError),
+    /// A number of a primitive.
+    #[error(transparent)]
+    Primitive(#[from] PrimitiveError),
+    /// Smooth normals of a primitive, whose surface is its own.
+    #[error("a {what} has no facets to smooth: leave smooth normals to meshes")]
+    SmoothPrimitive {
+        /// The kind of primitive: "ball".
+        what: &'static str,
+    },
 }
 
 /// A model, prepared for [`Dispatcher`](crate::Dispatcher). Contacts, intersections and distances

@@ -1,4 +1,4 @@
-//! A rapier world of models: all of rapier's sets behind body numbers.
+//! A rapier world of models and primitives: all of rapier's sets behind body numbers.
 //!
 //! [`SimulationOptions`] holds the one table of rapier's settings, each with its argument.
 //! `stepping` makes a step, and a step report says what came of it.
@@ -38,7 +38,7 @@ use crate::dispatcher::Dispatcher;
 use crate::joint::{JointIndex, JointPlace, JointSpec, generic_joint, set_impulse_motor};
 use crate::log::AnswerLog;
 
-/// A rapier world of models.
+/// A rapier world of models and primitives.
 pub struct Simulation {
     pub(crate) options: SimulationOptions,
     pub(crate) parameters: IntegrationParameters,
@@ -181,15 +181,16 @@ impl Simulation {
         spec.check()?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
         let index = self.free.first().copied().unwrap_or(self.handles.len() as u32);
-        let shape = self.options.detector.shape_with(spec.model, spec.normals, index)?;
+        let (shape, place) = self.options.detector.collider(&spec.shape, spec.normals, index)?;
         let groups = Group::from_bits_truncate(spec.groups);
         let mut collider = ColliderBuilder::new(shape)
+            .position(place)
             .density(0.0)
             .friction(spec.friction as Real)
             .restitution(spec.restitution as Real)
             .collision_groups(InteractionGroups::new(groups, groups, InteractionTestMode::And))
             .user_data(u128::from(index));
-        match (spec.kind, spec.mass.properties(spec.model)) {
+        match (spec.kind, spec.mass.properties(&spec.shape)) {
             (BodyKind::Dynamic, mass) => collider = collider.mass_properties(mass?),
             // It turns about its centre of mass too; an open mesh has none.
             (BodyKind::Kinematic, Ok(mass)) => collider = collider.mass_properties(mass),
@@ -199,13 +200,13 @@ impl Simulation {
         // of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(rapier_kind(spec.kind))
-            .soft_ccd_prediction(if own { spec.model.radius() as Real } else { 0.0 })
+            .soft_ccd_prediction(if own { spec.shape.radius() as Real } else { 0.0 })
             .pose(pose_to_rapier(&pose))
             .linvel(narrow(spec.linear_velocity))
             .angvel(narrow(spec.angular_velocity));
         let handle = self.bodies.insert(body);
         let collider = self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
-        let (at, tagged) = (index as usize, Tagged::new(spec.model, collider, spec.mass.center()));
+        let (at, tagged) = (index as usize, Tagged::new(&spec.shape, collider, spec.mass.center()));
         if self.free.remove(&index) {
             (self.handles[at], self.tagged[at]) = (handle, tagged);
             self.poses_before[at] = self.pose(BodyIndex(index));

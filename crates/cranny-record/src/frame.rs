@@ -86,8 +86,10 @@ pub struct RecordedBody<'a> {
     /// Red, green, blue and opacity, 0 to 1.
     pub color: [f64; 4],
     /// What collides: its digest is recorded, and all of it where it differs from what is drawn.
-    /// `None`: nothing can be computed anew.
+    /// `None`: a primitive, or nothing can be computed anew.
     pub model: Option<&'a Model>,
+    /// The primitive that collides, in words that are recorded as they are.
+    pub primitive: Option<&'a str>,
     /// How it moves; `None` where the caller does not say.
     pub kind: Option<BodyKind>,
 }

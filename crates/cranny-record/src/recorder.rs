@@ -310,7 +310,12 @@ fn facts(body: &RecordedBody) -> Vec<KeyValuePair> {
         BodyKind::Kinematic => "kinematic",
         BodyKind::Dynamic => "dynamic",
     });
-    model.into_iter().chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned()))).collect()
+    let primitive = body.primitive.map(|text| entry(topic::PRIMITIVE_KEY, text.to_owned()));
+    model
+        .into_iter()
+        .chain(primitive)
+        .chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned())))
+        .collect()
 }
 
 fn transform(name: &str, pose: &Pose, timestamp: Timestamp) -> FrameTransform {

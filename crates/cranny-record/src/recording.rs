@@ -45,6 +45,8 @@ pub struct DrawnBody {
     pub mesh: Mesh,
     /// Digest of the model that collides, hexadecimal; `None` where the recording does not say.
     pub model: Option<String>,
+    /// The primitive that collides, in words; `None` where the recording does not say.
+    pub primitive: Option<String>,
     /// `fixed`, `kinematic` or `dynamic`; `None` where the recording does not say.
     pub kind: Option<String>,
 }
@@ -282,8 +284,8 @@ fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
         let found = entity.metadata.iter().find(|pair| pair.key == key);
         found.map(|pair| pair.value.clone())
     };
-    let (model, kind) = (fact(topic::MODEL_KEY), fact(topic::KIND_KEY));
-    Ok(DrawnBody { name, mesh, model, kind })
+    let (model, primitive) = (fact(topic::MODEL_KEY), fact(topic::PRIMITIVE_KEY));
+    Ok(DrawnBody { name, mesh, model, primitive, kind: fact(topic::KIND_KEY) })
 }
 
 fn named_pose(transform: FrameTransform) -> Result<(String, Pose), String> {

@@ -35,6 +35,8 @@ pub const METADATA_END: &str = "cranny.end";
 
 /// Key of a body's metadata: the digest of its model, hexadecimal.
 pub const MODEL_KEY: &str = "model";
+/// Key of a body's metadata: the primitive that it is, in words.
+pub const PRIMITIVE_KEY: &str = "primitive";
 /// Key of a body's metadata: `fixed`, `kinematic` or `dynamic`.
 pub const KIND_KEY: &str = "kind";
 

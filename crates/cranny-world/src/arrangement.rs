@@ -1,23 +1,23 @@
-//! Models at poses without a history: which pairs of them meet, and which is nearest.
+//! Shapes at poses without a history: which pairs of them meet, and which is nearest.
 //!
 //! A [`World`](crate::World) follows bodies from step to step and makes events. Whoever has a list
 //! of configurations instead, as a planner has of a robot, asks here: no ids, no events, the pairs
 //! once for all.
 
 use cranny_exact::{Aabb, Pose, PoseError};
-use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_primitives::{BodyShape, PlacedShape, ShapeQueryError, query_shapes};
 use thiserror::Error;
 
 use crate::bounds::world_box;
 
-/// Models, and the pairs of them that are looked at.
+/// Shapes, and the pairs of them that are looked at.
 ///
 /// Answers depend on the poses alone. What is remembered of the configuration before saves time
 /// where the next one is near it.
 #[derive(Clone, Debug)]
 pub struct Arrangement {
-    models: Vec<Option<Model>>,
+    shapes: Vec<Option<BodyShape>>,
     pairs: Vec<WatchedPair>,
     /// The pair that was nearest last.
     nearest: Option<usize>,
@@ -26,7 +26,7 @@ pub struct Arrangement {
 #[derive(Clone, Debug)]
 struct WatchedPair {
     at: (usize, usize),
-    models: [Model; 2],
+    shapes: [BodyShape; 2],
     memory: PairMemory,
 }
 
@@ -39,17 +39,17 @@ pub enum Wanted {
     Nearest,
 }
 
-/// Models at one list of poses.
+/// Shapes at one list of poses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arranged {
-    /// Pairs that touch or overlap; one model may lie inside the other. In the order given.
+    /// Pairs that touch or overlap; one may lie inside the other. In the order given.
     pub meeting: Vec<(usize, usize)>,
     /// The nearest pair, where it is [wanted](Wanted::Nearest) and there is any; of pairs that are
     /// equally near the first.
     pub nearest: Option<NearestPair>,
 }
 
-/// The two models that are nearest to each other.
+/// The two shapes that are nearest to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestPair {
     /// Which they are.
@@ -62,49 +62,51 @@ pub struct NearestPair {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ArrangementError {
-    /// Not one pose a model.
-    #[error("{poses} poses for {models} models: give one for each")]
+    /// Not one pose a shape.
+    #[error("{poses} poses for {shapes} shapes: give one for each")]
     Poses {
-        /// Number of models.
-        models: usize,
+        /// Number of shapes.
+        shapes: usize,
         /// Number of poses given.
         poses: usize,
     },
     /// A pose that is none.
-    #[error("model {model}: {source}")]
+    #[error("shape {shape}: {source}")]
     Pose {
-        /// Index of the model.
-        model: usize,
+        /// Index of the shape.
+        shape: usize,
         /// What is wrong with it.
         source: PoseError,
     },
     /// A pair that the narrow phase refuses.
-    #[error("models {a} and {b}: {source}")]
+    #[error("shapes {a} and {b}: {source}")]
     Query {
         /// Index of the one.
         a: usize,
         /// Index of the other.
         b: usize,
         /// Why.
-        source: QueryError,
+        source: ShapeQueryError,
     },
 }
 
 impl Arrangement {
-    /// Models by index, `None` for places without geometry, and the pairs that are looked at. Pairs
+    /// Shapes by index, `None` for places without geometry, and the pairs that are looked at. Pairs
     /// with a place without geometry are left out.
     #[must_use]
-    pub fn new(
-        models: Vec<Option<Model>>,
+    pub fn new<S: Into<BodyShape>>(
+        shapes: Vec<Option<S>>,
         pairs: impl IntoIterator<Item = (usize, usize)>,
     ) -> Self {
-        let model = |i: usize| models.get(i).cloned().flatten();
+        let shapes: Vec<Option<BodyShape>> =
+            shapes.into_iter().map(|shape| shape.map(Into::into)).collect();
+        let shape = |i: usize| shapes.get(i).cloned().flatten();
         let watched = |at: (usize, usize)| {
-            let models = [model(at.0)?, model(at.1)?];
-            Some(WatchedPair { at, models, memory: PairMemory::default() })
+            let shapes = [shape(at.0)?, shape(at.1)?];
+            Some(WatchedPair { at, shapes, memory: PairMemory::default() })
         };
         let pairs = pairs.into_iter().filter_map(watched).collect();
-        Self { models, pairs, nearest: None }
+        Self { shapes, pairs, nearest: None }
     }
 
     /// The pairs that are looked at.
@@ -113,25 +115,25 @@ impl Arrangement {
         self.pairs.iter().map(|pair| pair.at)
     }
 
-    /// Looks at the models at these poses, world_from_model, one for each; those of places without
+    /// Looks at the shapes at these poses, world_from_shape, one for each; those of places without
     /// geometry are not read.
     ///
     /// # Errors
     ///
     /// [`ArrangementError`].
     pub fn at(&mut self, poses: &[Pose], wanted: Wanted) -> Result<Arranged, ArrangementError> {
-        if poses.len() != self.models.len() {
-            let (models, poses) = (self.models.len(), poses.len());
-            return Err(ArrangementError::Poses { models, poses });
+        if poses.len() != self.shapes.len() {
+            let (shapes, poses) = (self.shapes.len(), poses.len());
+            return Err(ArrangementError::Poses { shapes, poses });
         }
-        let accepted = self.models.iter().zip(poses).enumerate().map(|(model, (has, pose))| {
+        let accepted = self.shapes.iter().zip(poses).enumerate().map(|(shape, (has, pose))| {
             let read = if has.is_some() { *pose } else { Pose::IDENTITY };
-            read.accepted().map_err(|source| ArrangementError::Pose { model, source })
+            read.accepted().map_err(|source| ArrangementError::Pose { shape, source })
         });
         let poses = &accepted.collect::<Result<Vec<Pose>, _>>()?;
-        let placed = self.models.iter().zip(poses);
+        let placed = self.shapes.iter().zip(poses);
         let boxes: Vec<Aabb> = placed
-            .map(|(model, pose)| model.as_ref().map_or(Aabb::EMPTY, |m| world_box(m, pose, 0.0)))
+            .map(|(shape, pose)| shape.as_ref().map_or(Aabb::EMPTY, |s| world_box(s, pose, 0.0)))
             .collect();
         let mut meeting = Vec::new();
         for pair in &mut self.pairs {
@@ -149,7 +151,7 @@ impl Arrangement {
         Ok(Arranged { meeting, nearest })
     }
 
-    /// The nearest pair of models that do not meet: by ascending distance of their boxes, until
+    /// The nearest pair of shapes that do not meet: by ascending distance of their boxes, until
     /// none can be nearer.
     fn nearest_apart(
         &mut self,
@@ -194,9 +196,10 @@ impl WatchedPair {
     }
 
     fn ask(&mut self, poses: &[Pose], demand: Demand) -> Result<Answer, ArrangementError> {
-        let Self { at: (a, b), models: [of_a, of_b], memory } = self;
-        let placed = [(of_a, *a), (of_b, *b)].map(|(model, i)| Placed { model, pose: poses[i] });
-        query(placed[0], placed[1], &Query::of(demand), memory)
+        let Self { at: (a, b), shapes: [of_a, of_b], memory } = self;
+        let placed =
+            [(of_a, *a), (of_b, *b)].map(|(shape, i)| PlacedShape { shape, pose: poses[i] });
+        query_shapes(placed[0], placed[1], &Query::of(demand), memory)
             .map_err(|source| ArrangementError::Query { a: *a, b: *b, source })
     }
 }

@@ -1,10 +1,9 @@
-//! Bodies: a model at a pose, under a stable id.
+//! Bodies: a shape at a pose, under a stable id.
 
 use std::fmt;
 
 use cranny_exact::Pose;
-use cranny_geometry::Model;
-use cranny_narrow_phase::Placed;
+use cranny_primitives::{BodyShape, PlacedShape};
 
 use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
@@ -26,8 +25,8 @@ impl fmt::Display for BodyId {
 pub struct BodySpec {
     /// Unique among the bodies present.
     pub name: String,
-    /// Its geometry, shared with others of the same shape.
-    pub model: Model,
+    /// Its geometry: a model, shared with others of the same shape, or a primitive.
+    pub shape: BodyShape,
     /// Where it is: `world_from_body`.
     pub pose: Pose,
     /// How it moves. Two fixed bodies never meet.
@@ -43,12 +42,15 @@ pub struct BodySpec {
 impl BodySpec {
     /// A dynamic body at the origin, in the default layers, without effects.
     #[must_use]
-    pub fn new(name: impl Into<String>, model: Model) -> Self {
+    pub fn new(name: impl Into<String>, shape: impl Into<BodyShape>) -> Self {
+        let shape = shape.into();
         // Before the first step, which would make it otherwise.
-        model.clusters();
+        if let BodyShape::Model(model) = &shape {
+            model.clusters();
+        }
         Self {
             name: name.into(),
-            model,
+            shape,
             pose: Pose::IDENTITY,
             kind: BodyKind::Dynamic,
             layers: Layers::default(),
@@ -62,7 +64,7 @@ impl BodySpec {
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(crate) name: String,
-    pub(crate) model: Model,
+    pub(crate) shape: BodyShape,
     pub(crate) pose: Pose,
     pub(crate) kind: BodyKind,
     pub(crate) layers: Layers,
@@ -81,8 +83,8 @@ impl Body {
 
     /// Its geometry.
     #[must_use]
-    pub fn model(&self) -> &Model {
-        &self.model
+    pub fn shape(&self) -> &BodyShape {
+        &self.shape
     }
 
     /// Where it is: the very bits that queries read.
@@ -115,9 +117,9 @@ impl Body {
         &self.effects
     }
 
-    /// As the narrow phase wants it.
-    pub(crate) fn placed(&self) -> Placed<'_> {
-        Placed { model: &self.model, pose: self.pose }
+    /// As it is asked about.
+    pub(crate) fn placed(&self) -> PlacedShape<'_> {
+        PlacedShape { shape: &self.shape, pose: self.pose }
     }
 
     /// Whether layers and kinds let the two meet at all.

@@ -1,7 +1,7 @@
 //! A body's box in the world, such that boxes of bodies that meet always overlap.
 
 use cranny_exact::{Aabb, Pose};
-use cranny_geometry::Model;
+use cranny_primitives::BodyShape;
 
 /// Room for rounding, in units of the body's size and distance from the origin.
 ///
@@ -15,18 +15,22 @@ use cranny_geometry::Model;
 /// nothing but a few more candidates.
 const BOX_SLACK: f64 = 64.0 * f64::EPSILON;
 
-/// The body's box in world coordinates, grown by `margin >= 0` and by all rounding.
+/// The body's box in world coordinates, grown by `margin >= 0` and by all rounding. That of a
+/// half-space is [as large as can be](BodyShape::bounds): it overlaps whatever may meet it.
 #[must_use]
-pub fn world_box(model: &Model, pose: &Pose, margin: f64) -> Aabb {
-    let scale = model.radius() + pose.translation.abs().max_element() + margin;
-    pose.world_from_body().bounds(&model.bounds()).grown(margin + BOX_SLACK * scale)
+pub fn world_box(shape: &BodyShape, pose: &Pose, margin: f64) -> Aabb {
+    // A half-space is as large as what it meets, which has room of its own; its plane is not.
+    let radius = Some(shape.radius()).filter(|radius| radius.is_finite());
+    let radius = radius.unwrap_or_else(|| shape.center().length());
+    let scale = radius + pose.translation.abs().max_element() + margin;
+    shape.bounds(&pose.world_from_body()).grown(margin + BOX_SLACK * scale)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use cranny_exact::{DQuat, DVec3};
-    use cranny_geometry::{BuildOptions, Mesh};
+    use cranny_geometry::{BuildOptions, Mesh, Model};
 
     fn wedge() -> Model {
         let vertices = vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::Y, 3.0 * DVec3::Z];
@@ -39,19 +43,19 @@ mod tests {
         let model = wedge();
         let rotation = DQuat::from_xyzw(0.3, -0.5, 0.2, 0.78).normalize();
         let pose = Pose { rotation, translation: DVec3::new(40.0, -1e3, 0.125) };
-        let around = world_box(&model, &pose, 0.0);
+        let around = world_box(&model.clone().into(), &pose, 0.0);
         let map = pose.world_from_body();
         assert!(model.mesh().vertices().iter().all(|&p| around.contains_point(map.apply(p))));
         let size = around.max - around.min;
         assert!(size.max_element() < 1.0 + 2.0 + 3.0);
-        let wide = world_box(&model, &pose, 0.5);
+        let wide = world_box(&model.into(), &pose, 0.5);
         assert!((wide.max - around.max - DVec3::splat(0.5)).abs().max_element() < 1e-12);
         assert!((around.min - wide.min - DVec3::splat(0.5)).abs().max_element() < 1e-12);
     }
 
     #[test]
     fn an_unrotated_box_fits_to_rounding() {
-        let around = world_box(&wedge(), &Pose::IDENTITY, 0.0);
+        let around = world_box(&wedge().into(), &Pose::IDENTITY, 0.0);
         assert!((around.max - DVec3::new(1.0, 2.0, 3.0)).abs().max_element() < 1e-12);
         assert!(around.max.cmpge(DVec3::new(1.0, 2.0, 3.0)).all());
     }

@@ -5,7 +5,8 @@
 
 use std::num::NonZeroUsize;
 
-use cranny_narrow_phase::{Answer, Mismatch, Query, QueryError, query, query_verified};
+use cranny_narrow_phase::{Answer, Mismatch, Placed, Query, query_verified};
+use cranny_primitives::{BodyShape, ShapeQueryError, query_shapes};
 
 use crate::body::Body;
 use crate::estimates::PairState;
@@ -24,13 +25,19 @@ pub(crate) type Verified = (Answer, Option<Box<Mismatch>>);
 
 impl Job<'_> {
     /// The answer.
-    pub(crate) fn answer(&mut self) -> Result<Verified, QueryError> {
-        let [a, b] = self.bodies.map(|body| body.placed());
+    pub(crate) fn answer(&mut self) -> Result<Verified, ShapeQueryError> {
         let memory = self.state.memory.queries();
-        if self.verify {
-            return query_verified(a, b, &self.query, memory);
+        let [first, second] = self.bodies;
+        // A pair with a primitive has no memory.
+        if let (true, BodyShape::Model(a), BodyShape::Model(b)) =
+            (self.verify, &first.shape, &second.shape)
+        {
+            let [a, b] =
+                [(a, first.pose), (b, second.pose)].map(|(model, pose)| Placed { model, pose });
+            return Ok(query_verified(a, b, &self.query, memory)?);
         }
-        query(a, b, &self.query, memory).map(|answer| (answer, None))
+        query_shapes(first.placed(), second.placed(), &self.query, memory)
+            .map(|answer| (answer, None))
     }
 }
 

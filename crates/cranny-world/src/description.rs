@@ -4,8 +4,9 @@
 
 pub use cranny_estimate::Accuracy;
 use cranny_exact::{DMat3, DVec3, Pose};
-use cranny_geometry::{Mesh, Model};
+use cranny_geometry::Mesh;
 pub use cranny_narrow_phase::Normals;
+use cranny_primitives::{BodyShape, Primitive};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -97,8 +98,9 @@ pub struct BodyDescription {
     pub name: String,
     /// Collision geometry in the body's frame, shared between bodies that use the same file.
     pub collision: Arc<Mesh>,
-    /// The prepared model of `collision`, where somebody has prepared it already.
-    pub model: Option<Model>,
+    /// What collides, where it is prepared already: a model of `collision`, or a primitive, for
+    /// which `collision` stands in pictures only.
+    pub shape: Option<BodyShape>,
     /// Geometry to draw where it differs.
     pub visual: Option<Arc<Mesh>>,
     /// How it moves.
@@ -128,6 +130,14 @@ pub struct BodyDescription {
     pub layers: Vec<String>,
     /// Effects of this body beyond the scene's.
     pub effects: Vec<Effect>,
+}
+
+impl BodyDescription {
+    /// The primitive that it is, if it is one.
+    #[must_use]
+    pub fn primitive(&self) -> Option<&Primitive> {
+        self.shape.as_ref().and_then(BodyShape::primitive)
+    }
 }
 
 /// Mass, centre and inertia as somebody states them, whatever the mesh.
@@ -231,6 +241,12 @@ impl Effect {
     #[must_use]
     pub fn has_levels(&self) -> bool {
         matches!(self, Self::Trigger { .. } | Self::Proximity { .. })
+    }
+
+    /// Whether it works on the meshes of bodies, so that a primitive has no part in it.
+    #[must_use]
+    pub fn works_on_meshes(&self) -> bool {
+        matches!(self, Self::Deformation { .. } | Self::ForceFeedback { .. })
     }
 
     /// Whether it works on what a solver does, which has no part in the pairs of sensors.

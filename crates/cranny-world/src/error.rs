@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use cranny_broad_phase::BroadPhaseError;
 use cranny_exact::PoseError;
-use cranny_narrow_phase::QueryError;
+use cranny_primitives::{PrimitiveError, ShapeQueryError};
 use thiserror::Error;
 
 use crate::body::BodyId;
@@ -89,6 +89,16 @@ pub enum WorldError {
         /// What is wrong with it.
         source: PoseError,
     },
+    /// A primitive with a number that is none.
+    #[error("the {what} of body '{name}' is refused: {source}")]
+    Primitive {
+        /// The body.
+        name: String,
+        /// The kind of primitive: "ball".
+        what: &'static str,
+        /// What is wrong with it.
+        source: PrimitiveError,
+    },
     /// There are no such threads.
     #[error("{threads} threads for pairs cannot be had: {why}")]
     Threads {
@@ -113,7 +123,7 @@ pub enum WorldError {
         /// The second body's name.
         b: String,
         /// Why.
-        source: QueryError,
+        source: ShapeQueryError,
     },
 }
 

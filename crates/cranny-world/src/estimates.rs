@@ -11,7 +11,8 @@
 
 use cranny_estimate::{Accuracy, Budget, Effort, EstimateMemory, Verdict, estimate};
 use cranny_exact::{DVec3, Interval, Pose};
-use cranny_narrow_phase::{Demand, Query, QueryError};
+use cranny_geometry::Model;
+use cranny_narrow_phase::{Demand, Placed, Query, QueryError};
 
 use crate::body::{Body, BodyId};
 use crate::crew::Crew;
@@ -98,6 +99,8 @@ type Asked = ([Pose; 2], Query, Accuracy);
 pub(crate) struct Refinement<'w> {
     pub(crate) pair: (BodyId, BodyId),
     pub(crate) bodies: [&'w Body; 2],
+    /// Those of the bodies: primitives are not estimated.
+    models: [&'w Model; 2],
     pub(crate) query: Query,
     pub(crate) accuracy: Accuracy,
     pub(crate) state: PairState,
@@ -127,6 +130,7 @@ impl<'w> Refinement<'w> {
     pub(crate) fn new(
         pair: (BodyId, BodyId),
         bodies: [&'w Body; 2],
+        models: [&'w Model; 2],
         query: Query,
         accuracy: Accuracy,
         state: PairState,
@@ -136,6 +140,7 @@ impl<'w> Refinement<'w> {
         let mut new = Self {
             pair,
             bodies,
+            models,
             query,
             accuracy,
             found: None,
@@ -166,7 +171,7 @@ impl<'w> Refinement<'w> {
 
     /// Spends its share.
     fn spend(&mut self) -> Result<(), QueryError> {
-        let [a, b] = self.bodies.map(Body::placed);
+        let [a, b] = [0, 1].map(|i| Placed { model: self.models[i], pose: self.bodies[i].pose });
         let budget = self.share.map_or(Budget::Unlimited, Budget::Tests);
         let effort = Effort { accuracy: self.accuracy, budget };
         let found = estimate(a, b, &self.query, &effort, &mut self.state.memory)?;
@@ -226,11 +231,11 @@ impl<'w> Refinement<'w> {
 
     /// How large the coordinates are that a distance is computed from.
     fn extent(&self, distance: f64) -> f64 {
-        let size = |body: &Body| {
-            let [low, high] = [body.model.bounds().min, body.model.bounds().max];
-            body.pose.translation.length() + low.abs().max(high.abs()).length()
+        let size = |i: usize| {
+            let [low, high] = [self.models[i].bounds().min, self.models[i].bounds().max];
+            self.bodies[i].pose.translation.length() + low.abs().max(high.abs()).length()
         };
-        distance + self.bodies.map(size).iter().sum::<f64>()
+        distance + [0, 1].map(size).iter().sum::<f64>()
     }
 
     /// What it needs, and how much of it; `None` where more tests bring nothing.

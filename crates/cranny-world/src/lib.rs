@@ -22,6 +22,10 @@
 //! - **Memory changes no answer**, and whoever doubts it can have every answer checked:
 //!   [`World::set_verification`]. Within a budget it says how much is left open; estimates are not
 //!   checked.
+//! - **A body is a model or a primitive** ([`BodyShape`](cranny_primitives::BodyShape)). A pair
+//!   with a primitive is answered at once, whatever its level and the budget; what such an answer
+//!   lacks, [`query_shapes`](cranny_primitives::query_shapes) lists. Its verdict is right to
+//!   rounding.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises

@@ -9,8 +9,8 @@ use std::num::NonZeroUsize;
 
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
-use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, Fields, Query, QueryError};
+use cranny_narrow_phase::{Answer, Demand, Fields, Query};
+use cranny_primitives::{BodyShape, Primitive, PrimitiveError, ShapeQueryError};
 
 use crate::body::{Body, BodyId, BodySpec};
 use crate::bounds::world_box;
@@ -79,8 +79,8 @@ impl World {
     /// # Errors
     ///
     /// A [name](WorldError::DuplicateName) that is taken, a [margin](WorldError::Margin) that is no
-    /// length, a [pose](WorldError::Pose) that is refused, or no [id](WorldError::NoIdLeft) or
-    /// [room](WorldError::BroadPhase) left.
+    /// length, a [pose](WorldError::Pose) or a [primitive](WorldError::Primitive) that is refused,
+    /// or no [id](WorldError::NoIdLeft) or [room](WorldError::BroadPhase) left.
     pub fn insert(&mut self, spec: BodySpec) -> Result<BodyId, WorldError> {
         let id = BodyId(self.inserted);
         self.insert_as(id, spec).map(|()| id)
@@ -93,7 +93,7 @@ impl World {
     ///
     /// As [`insert`](Self::insert), and [`WorldError::IdUsed`] for an id that is not higher.
     pub fn insert_as(&mut self, id: BodyId, spec: BodySpec) -> Result<(), WorldError> {
-        let BodySpec { name, model, pose, kind, layers, sensor, effects } = spec;
+        let BodySpec { name, shape, pose, kind, layers, sensor, effects } = spec;
         if id.0 < self.inserted {
             return Err(WorldError::IdUsed { name, body: id });
         }
@@ -103,11 +103,12 @@ impl World {
         let wish = Wish::of(&effects, || format!("body '{name}'"))?;
         let pose =
             pose.accepted().map_err(|source| WorldError::Pose { name: name.clone(), source })?;
+        shape.check().map_err(refused_primitive(&name, &shape))?;
         let Some(inserted) = id.0.checked_add(1) else {
             return Err(WorldError::NoIdLeft { name });
         };
-        let body = Body { name, model, pose, kind, layers, sensor, effects, wish };
-        let around = world_box(&body.model, &body.pose, self.growth(id, &body));
+        let body = Body { name, shape, pose, kind, layers, sensor, effects, wish };
+        let around = world_box(&body.shape, &body.pose, self.growth(id, &body));
         self.broad_phase
             .insert(ProxyId(id.0), around, motion_of(kind))
             .map_err(|source| WorldError::BroadPhase { name: body.name.clone(), source })?;
@@ -189,10 +190,17 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`WorldError::UnknownBody`], or no [room](WorldError::BroadPhase) for its box.
-    pub fn set_model(&mut self, body: BodyId, model: Model) -> Result<(), WorldError> {
+    /// [`WorldError::UnknownBody`], a [primitive](WorldError::Primitive) that is refused, or no
+    /// [room](WorldError::BroadPhase) for its box.
+    pub fn set_shape(
+        &mut self,
+        body: BodyId,
+        shape: impl Into<BodyShape>,
+    ) -> Result<(), WorldError> {
+        let shape = shape.into();
         let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
-        known.model = model;
+        shape.check().map_err(refused_primitive(&known.name, &shape))?;
+        known.shape = shape;
         self.memories.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.supplied.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.depths_at_most.retain(|pair, _| pair.0 != body && pair.1 != body);
@@ -409,7 +417,7 @@ impl World {
             memories.insert(pair, state);
             found.estimates.extend(estimate);
             if let (None, Err(source)) = (estimate, &refined) {
-                found.refuse(bodies, *source);
+                found.refuse(bodies, (*source).into());
             }
         }
         let answers = self.crew.each(&mut jobs, |(_, job)| job.answer());
@@ -448,9 +456,12 @@ impl World {
             }
             let state = memories.remove(&pair).unwrap_or_default();
             let query = Query::of(demand);
-            match self.level(&wish, pair, body_a.sensor || body_b.sensor) {
-                Some(level) => refinements.push(Refinement::new(pair, bodies, query, level, state)),
-                None => jobs.push((pair, Job { bodies, query, state, verify: self.verify })),
+            let level = self.level(&wish, pair, body_a.sensor || body_b.sensor);
+            match (level, body_a.shape.model(), body_b.shape.model()) {
+                (Some(level), Some(a), Some(b)) => {
+                    refinements.push(Refinement::new(pair, bodies, [a, b], query, level, state));
+                }
+                _ => jobs.push((pair, Job { bodies, query, state, verify: self.verify })),
             }
         }
         Ok((jobs, refinements))
@@ -505,7 +516,7 @@ impl World {
         for (&id, body) in &self.bodies {
             unless(id.0 < self.inserted, "ids count up")?;
             unless(self.by_name.get(&body.name) == Some(&id), "names lead to their bodies")?;
-            let around = world_box(&body.model, &body.pose, self.growth(id, body));
+            let around = world_box(&body.shape, &body.pose, self.growth(id, body));
             unless(self.broad_phase.aabb(ProxyId(id.0)) == Some(around), "boxes follow poses")?;
         }
         let present =
@@ -533,10 +544,19 @@ struct Found {
 }
 
 impl Found {
-    fn refuse(&mut self, [a, b]: [&Body; 2], source: QueryError) {
+    fn refuse(&mut self, [a, b]: [&Body; 2], source: ShapeQueryError) {
         let (a, b) = (a.name.clone(), b.name.clone());
         self.refused.get_or_insert(WorldError::Query { a, b, source });
     }
+}
+
+/// What is wrong with a primitive, told of the body.
+fn refused_primitive<'a>(
+    name: &'a str,
+    shape: &BodyShape,
+) -> impl Fn(PrimitiveError) -> WorldError + use<'a> {
+    let what = shape.primitive().map_or("mesh", Primitive::name);
+    move |source| WorldError::Primitive { name: name.to_owned(), what, source }
 }
 
 fn motion_of(kind: BodyKind) -> Motion {

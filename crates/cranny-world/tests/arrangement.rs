@@ -97,13 +97,13 @@ fn without_pairs_nothing_is_nearest_and_poses_are_counted() {
     let found = arrangement.at(&[Pose::IDENTITY; 2], Wanted::Nearest).unwrap();
     assert!(found.meeting.is_empty() && found.nearest.is_none());
     let error = arrangement.at(&[Pose::IDENTITY], Wanted::Meeting).unwrap_err();
-    assert_eq!(error, ArrangementError::Poses { models: 2, poses: 1 });
-    assert!(error.to_string().contains("1 poses for 2 models"));
+    assert_eq!(error, ArrangementError::Poses { shapes: 2, poses: 1 });
+    assert!(error.to_string().contains("1 poses for 2 shapes"));
     let nowhere = Pose::at(DVec3::splat(f64::NAN));
     let half = Pose { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.5), ..Pose::IDENTITY };
     for none in [nowhere, half] {
         let error = arrangement.at(&[none, Pose::IDENTITY], Wanted::Meeting).unwrap_err();
-        assert!(matches!(error, ArrangementError::Pose { model: 0, .. }), "{error}");
+        assert!(matches!(error, ArrangementError::Pose { shape: 0, .. }), "{error}");
     }
     assert!(arrangement.at(&[Pose::IDENTITY, nowhere], Wanted::Meeting).is_ok(), "not read");
 }

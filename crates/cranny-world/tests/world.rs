@@ -526,10 +526,10 @@ fn what_a_body_is_may_change_between_steps() {
 
     let wide = Cuboid { size: [2.5, 1.0, 1.0] }.build().unwrap();
     let (wide, _) = Model::build(wide, &BuildOptions::default()).unwrap();
-    let narrow = world.body(ids[1]).unwrap().model().clone();
-    world.set_model(ids[1], wide).unwrap();
+    let narrow = world.body(ids[1]).unwrap().shape().clone();
+    world.set_shape(ids[1], wide).unwrap();
     assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
-    world.set_model(ids[1], narrow).unwrap();
+    world.set_shape(ids[1], narrow).unwrap();
     assert_eq!(step(&mut world).events, [ended(ids[0], ids[1])]);
 
     world.set_pose(ids[1], at(0.5)).unwrap();

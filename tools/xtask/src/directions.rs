@@ -50,8 +50,11 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-primitives",
         ],
     ),
-    ("cranny-shapes", &["cranny-exact", "cranny-geometry"]),
-    ("cranny-scene", &["cranny-exact", "cranny-geometry", "cranny-world", "cranny-shapes"]),
+    ("cranny-shapes", &["cranny-exact", "cranny-geometry", "cranny-primitives"]),
+    (
+        "cranny-scene",
+        &["cranny-exact", "cranny-geometry", "cranny-primitives", "cranny-world", "cranny-shapes"],
+    ),
     (
         "cranny-rapier",
         &[

@@ -18,7 +18,6 @@ use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, QueryError, query};
 use cranny_world::BodyId;
 
 use super::constraints::{Constraint, Twist, dot, nearest_allowed, scaled};
-use crate::kinematics::center_of_mass;
 
 /// By how much a tick changes the spring, as a multiple of what body and obstacles move in it.
 /// Larger: edges are kicks; less than 1: what the hand presses on seems to yield.
@@ -150,7 +149,7 @@ impl Proxy {
         stiffness: f64,
     ) -> Result<Wrench, (BodyId, QueryError)> {
         let radius = body.model.radius();
-        let center = center_of_mass(body.model);
+        let center = body.model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
         let (reach, skin, arm) = (REACH * radius, SKIN * radius, 0.5 * radius);
         let tick = Tick { body, obstacles, center, arm, reach, skin };
         let allowed = JUMP * self.moved(&tick);

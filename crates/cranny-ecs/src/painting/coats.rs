@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use cranny_exact::{Aabb, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_primitives::{BodyShape, Primitive};
 use cranny_render::{Color, DrawMesh, Instance, palette};
 use cranny_world::BodyId;
 use cranny_world::description::{BodyKind, SceneDescription};
@@ -25,7 +26,7 @@ pub(crate) struct Coat {
     pub(crate) color: Color,
     pub(crate) kind: BodyKind,
     /// What collides, where it is prepared.
-    pub(crate) model: Option<Model>,
+    pub(crate) shape: Option<BodyShape>,
     /// For others of the same geometry.
     pub(crate) of: Geometry,
     /// Of what is drawn, where nobody has prepared what collides; made when first needed.
@@ -37,12 +38,14 @@ pub(crate) struct Coat {
 pub(crate) enum Geometry {
     Described(Arc<Mesh>),
     Prepared(Model),
+    /// A primitive, and the mesh that stands for it.
+    Primitive(Primitive, Arc<Mesh>),
 }
 
 impl Geometry {
     pub(crate) fn mesh(&self) -> &Mesh {
         match self {
-            Self::Described(mesh) => mesh,
+            Self::Described(mesh) | Self::Primitive(_, mesh) => mesh,
             Self::Prepared(model) => model.mesh(),
         }
     }
@@ -51,6 +54,7 @@ impl Geometry {
         match (self, other) {
             (Self::Described(a), Self::Described(b)) => Arc::ptr_eq(a, b),
             (Self::Prepared(a), Self::Prepared(b)) => a.is_same(b),
+            (Self::Primitive(a, _), Self::Primitive(b, _)) => a == b,
             _ => false,
         }
     }
@@ -64,7 +68,7 @@ impl Coat {
     /// What lines of sight meet: what collides, or what is drawn where that is not prepared; `None`
     /// where no model can be made of it.
     pub(crate) fn seen(&self) -> Option<&Model> {
-        self.model.as_ref().or_else(|| {
+        self.shape.as_ref().and_then(BodyShape::model).or_else(|| {
             let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
             let prepared = || Some(Model::build(self.of.mesh().clone(), &options).ok()?.0);
             self.drawn.get_or_init(prepared).as_ref()
@@ -88,7 +92,7 @@ impl Coats {
         for (id, body) in (0u32..).map(BodyId).zip(&scene.bodies) {
             let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
             let mut coat = coats.coat(id, &body.name, of, body.kind)?;
-            coat.model = body.model.clone();
+            coat.shape = body.shape.clone();
             instances.push(Instance::solid(coat.mesh.clone(), body.pose, coat.color));
             coats.coats.insert(id, coat);
         }
@@ -108,12 +112,15 @@ impl Coats {
     }
 
     pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
-        let of = match &record.visual {
-            Some(visual) => Geometry::Described(visual.clone()),
-            None => Geometry::Prepared(record.model.clone()),
+        let of = match (&record.visual, &record.shape) {
+            (Some(visual), _) => Geometry::Described(visual.clone()),
+            (None, BodyShape::Model(model)) => Geometry::Prepared(model.clone()),
+            (None, BodyShape::Primitive(primitive)) => {
+                Geometry::Primitive(*primitive, Arc::new(record.drawn_mesh()?.into_owned()))
+            }
         };
         let mut coat = self.coat(id, &record.name, of, record.kind)?;
-        coat.model = Some(record.model.clone());
+        coat.shape = Some(record.shape.clone());
         self.coats.insert(id, coat);
         Ok(())
     }
@@ -135,7 +142,7 @@ impl Coats {
             mesh,
             color,
             kind,
-            model: None,
+            shape: None,
             of,
             drawn: OnceLock::new(),
         })

@@ -1,7 +1,8 @@
 //! The contact that tells most, and the plane that shows it: through the contact, along its normal.
 
 use cranny_exact::{Aabb, DQuat, DVec3};
-use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Query};
+use cranny_primitives::{PlacedShape, query_shapes};
 use cranny_render::{Camera, CameraError, Section, palette};
 use cranny_world::BodyId;
 
@@ -246,7 +247,7 @@ pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
         for (b, coat_b, pose_b) in placed().filter(|(b, ..)| *b > a) {
             let [box_a, box_b] = [coat_a.bounds(pose_a), coat_b.bounds(pose_b)];
             let reach = NEARLY * box_a.diagonal().min(box_b.diagonal());
-            let (Some(of_a), Some(of_b)) = (&coat_a.model, &coat_b.model) else { continue };
+            let (Some(of_a), Some(of_b)) = (&coat_a.shape, &coat_b.shape) else { continue };
             if (coat_a.moves() || coat_b.moves()) && box_a.grown(reach).overlaps(&box_b) {
                 near.push(([a, b], [of_a, of_b], [*pose_a, *pose_b]));
             }
@@ -255,10 +256,11 @@ pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
     if near.len() > PAIRS_LOOKED_INTO {
         return None;
     }
-    let found = near.into_iter().filter_map(|([a, b], models, poses)| {
-        let [placed_a, placed_b] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
+    let found = near.into_iter().filter_map(|([a, b], shapes, poses)| {
+        let [placed_a, placed_b] = [0, 1].map(|i| PlacedShape { shape: shapes[i], pose: poses[i] });
         let question = Query::of(Demand::Distance { below: None });
-        let answer = query(placed_a, placed_b, &question, &mut PairMemory::default()).ok()?;
+        let answer =
+            query_shapes(placed_a, placed_b, &question, &mut PairMemory::default()).ok()?;
         Some(MeetingPair { a, b, answer, impulse: 0.0 })
     });
     let found: Vec<_> = found.collect();
@@ -294,13 +296,13 @@ pub(super) fn look_into(coats: &Coats, moment: &mut Moment, surely: &[BodyId]) {
     let unknown = moment.pairs.iter_mut().filter(|pair| pair.answer.regions.is_empty());
     for pair in unknown.filter(wanted) {
         let margin = contacts(&pair.answer).map(|c| c.separation).fold(0.0, f64::max);
-        let models = [pair.a, pair.b].map(|id| coats.get(id)?.model.as_ref());
+        let shapes = [pair.a, pair.b].map(|id| coats.get(id)?.shape.as_ref());
         let poses = [pair.a, pair.b].map(|id| moment.poses.get(&id).copied());
-        let ([Some(a), Some(b)], [Some(pose_a), Some(pose_b)]) = (models, poses) else { continue };
-        let of = |model, pose| Placed { model, pose };
+        let ([Some(a), Some(b)], [Some(pose_a), Some(pose_b)]) = (shapes, poses) else { continue };
+        let of = |shape, pose| PlacedShape { shape, pose };
         let question = Query::of(Demand::Regions { margin });
         let memory = &mut PairMemory::default();
-        if let Ok(found) = query(of(a, pose_a), of(b, pose_b), &question, memory) {
+        if let Ok(found) = query_shapes(of(a, pose_a), of(b, pose_b), &question, memory) {
             pair.answer.regions = found.regions;
         }
     }

@@ -69,9 +69,9 @@ impl GivenValues {
     }
 
     /// The body that a record and these values describe.
-    pub(super) fn spec<'a>(&self, known: &'a Known) -> BodySpec<'a> {
+    pub(super) fn spec(&self, known: &Known) -> BodySpec {
         BodySpec {
-            model: &known.model,
+            shape: known.shape.clone(),
             kind: super::rapier_kind(known.kind),
             pose: pose_of(&self.transform),
             linear_velocity: widened(self.velocities[0]),

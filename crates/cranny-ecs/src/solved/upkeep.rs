@@ -97,7 +97,7 @@ impl Insertion<'_, '_> {
                 let mut entity = self.commands.entity(record.entity);
                 entity.try_remove::<SolverBody>();
                 if record.kind == BodyKind::Kinematic {
-                    entity.insert(Kinematic::of(&record.model));
+                    entity.insert(Kinematic::of(&record.shape));
                 }
             }
         }

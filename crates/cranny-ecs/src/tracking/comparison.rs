@@ -9,7 +9,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query as PairQuery, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query as PairQuery};
+use cranny_primitives::{PlacedShape, query_shapes};
 use cranny_world::description::TrackerDescription;
 use cranny_world::{BodyId, WorldError};
 
@@ -247,12 +248,13 @@ fn answer(
     demand: Demand,
     memory: &mut PairMemory,
 ) -> Result<Option<Answer>, WorldError> {
-    let reach: f64 = pair.iter().map(|seen| seen.record.model.radius()).sum();
-    let [a, b] = pair.map(|seen| Placed { model: &seen.record.model, pose: seen.poses[kind] });
+    let reach: f64 = pair.iter().map(|seen| seen.record.shape.radius()).sum();
+    let [a, b] = pair.map(|seen| PlacedShape { shape: &seen.record.shape, pose: seen.poses[kind] });
     if a.pose.translation.distance(b.pose.translation) > reach {
         return Ok(None);
     }
-    query(a, b, &PairQuery::of(demand), memory).map(Some).map_err(|source| {
+    let answer = query_shapes(a, b, &PairQuery::of(demand), memory);
+    answer.map(Some).map_err(|source| {
         let [a, b] = pair.map(|seen| seen.record.name.clone());
         WorldError::Query { a, b, source }
     })

@@ -156,7 +156,7 @@ fn simulate(
     time: Res<SimulatedTime>,
 ) {
     for (body, mut device, mut tracker) in &mut devices {
-        let reach = bodies.get(body.id).map_or(0.0, |record| record.model.radius());
+        let reach = bodies.get(body.id).map_or(0.0, |record| record.extent());
         for sample in device.arrivals(time.seconds(), reach) {
             device.arrived = Some(sample.pose);
             // What is late is counted there.

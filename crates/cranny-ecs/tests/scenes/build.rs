@@ -18,7 +18,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
     BodyDescription {
         name: name.into(),
         collision: Arc::new(Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
-        model: None,
+        shape: None,
         visual: None,
         kind,
         pose: Pose::at(at),

@@ -15,7 +15,7 @@ use crate::build::{empty, steps, unit, world};
 /// What an app does between two steps.
 #[derive(Clone, Debug)]
 enum Act {
-    Spawn { dynamic: bool, torus: bool, at: [i8; 3] },
+    Spawn { dynamic: bool, shape: usize, at: [i8; 3] },
     Despawn(usize),
     Strip(usize),
     Turn(usize),
@@ -25,8 +25,8 @@ enum Act {
 fn act() -> impl Strategy<Value = Act> {
     let place = prop::array::uniform3(-3i8..=3);
     prop_oneof![
-        4 => (any::<bool>(), any::<bool>(), place)
-            .prop_map(|(dynamic, torus, at)| Act::Spawn { dynamic, torus, at }),
+        4 => (any::<bool>(), 0usize..6, place)
+            .prop_map(|(dynamic, shape, at)| Act::Spawn { dynamic, shape, at }),
         3 => (0usize..100).prop_map(Act::Despawn),
         1 => (0usize..100).prop_map(Act::Strip),
         1 => (0usize..100).prop_map(Act::Turn),
@@ -36,14 +36,22 @@ fn act() -> impl Strategy<Value = Act> {
 
 /// Acts, and returns how many bodies came and the hash of the state.
 fn acted(app: &mut SceneApp, acts: &[Act]) -> (usize, String) {
-    let (cube, ring) = (unit(), Collider::from_mesh(Torus::default().build().unwrap()).unwrap());
+    let ring = Collider::from_mesh(Torus::default().build().unwrap()).unwrap();
+    let colliders = [
+        unit(),
+        ring,
+        Collider::ball(0.5),
+        Collider::capsule(0.3, 0.6),
+        Collider::cylinder(0.4, 0.8),
+        Collider::cone(0.5, 0.8),
+    ];
     let mut live: Vec<Entity> = Vec::new();
     let mut came = 0;
     for act in acts {
         let pick = |i: &usize, live: &[Entity]| (!live.is_empty()).then(|| i % live.len());
         match act {
-            Act::Spawn { dynamic, torus, at } => {
-                let collider = if *torus { ring.clone() } else { cube.clone() };
+            Act::Spawn { dynamic, shape, at } => {
+                let collider = colliders[*shape].clone();
                 let kind = if *dynamic { RigidBody::Dynamic } else { RigidBody::Fixed };
                 let [x, y, z] = at.map(|c| 0.6 * f32::from(c));
                 live.push(world(app).spawn((kind, collider, Transform::from_xyz(x, y, z))).id());
@@ -145,7 +153,9 @@ fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
         while spawned < 10_000 {
             let place = [next(200) as i8, next(200) as i8, next(100) as i8];
             if next(2) == 0 && present < 40 {
-                acts.push(Act::Spawn { dynamic: next(2) == 0, torus: false, at: place });
+                // Cubes and balls: the others cost more a pair.
+                let (dynamic, shape) = (next(2) == 0, 2 * (next(2) as usize));
+                acts.push(Act::Spawn { dynamic, shape, at: place });
                 (spawned, present) = (spawned + 1, present + 1);
             } else if present > 0 {
                 acts.push(Act::Despawn(next(100) as usize));

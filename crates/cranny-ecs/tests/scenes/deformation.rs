@@ -46,7 +46,7 @@ fn run(app: &mut App, steps: usize) -> Vec<Dented> {
 }
 
 fn model(app: &App, body: Entity) -> Model {
-    app.world().get::<Collider>(body).unwrap().model().clone()
+    app.world().get::<Collider>(body).unwrap().model().unwrap().clone()
 }
 
 /// By the divergence theorem, from the vertices alone.

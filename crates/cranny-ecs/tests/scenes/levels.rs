@@ -492,13 +492,14 @@ mod recorded {
     fn world(app: &SceneApp, accuracy: Accuracy, budget: Option<u64>) -> World {
         let mut world = World::new();
         let size = app.app().world().resource::<Bodies>().iter();
-        let size =
-            size.map(|(_, record)| record.model.bounds().diagonal()).fold(f64::MAX, f64::min);
+        let size = size
+            .map(|(_, record)| record.model().unwrap().bounds().diagonal())
+            .fold(f64::MAX, f64::min);
         world.set_scene_effects(&[Effect::TRIGGER, Effect::proximity(0.2 * size)]).unwrap();
         world.set_accuracy(accuracy);
         world.set_budget(budget);
         for (id, record) in app.app().world().resource::<Bodies>().iter() {
-            let spec = BodySpec::new(record.name.clone(), record.model.clone());
+            let spec = BodySpec::new(record.name.clone(), record.shape.clone());
             world.insert_as(id, BodySpec { kind: record.kind, ..spec }).unwrap();
         }
         world

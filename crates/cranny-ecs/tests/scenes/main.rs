@@ -18,6 +18,7 @@ mod links;
 mod parts;
 mod paths;
 mod penetration;
+mod primitives;
 mod proximity;
 #[cfg(feature = "record")]
 mod recording;

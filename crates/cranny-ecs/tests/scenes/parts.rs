@@ -51,7 +51,7 @@ fn a_table_stands_on_its_legs_and_a_ball_rolls_below() {
     let world = app.app().world();
     assert!(legs.iter().all(|&leg| world.get::<ColliderOf>(leg).unwrap().body == table));
     assert!(legs.iter().all(|&leg| world.get::<Body>(leg).is_none()));
-    let mass = record(&app, table).model.mass_properties().unwrap().volume;
+    let mass = record(&app, table).model().unwrap().mass_properties().unwrap().volume;
     assert!((mass - 1.25).abs() < 1e-9, "{mass}");
 }
 
@@ -61,21 +61,21 @@ fn parts_come_move_and_go() {
     let body = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
     let part = world(&mut app).spawn((unit(), at(3.0, 0.0, 0.0), ChildOf(body))).id();
     steps(&mut app, 1);
-    let reach = |app: &SceneApp| record(app, body).model.bounds().max.x;
+    let reach = |app: &SceneApp| record(app, body).model().unwrap().bounds().max.x;
     assert_eq!((reach(&app), bodies(&app)), (3.5, 1));
-    let first = record(&app, body).model;
+    let first = record(&app, body).shape;
 
     world(&mut app).get_mut::<Transform>(part).unwrap().translation.x = 5.0;
     steps(&mut app, 1);
     assert_eq!(reach(&app), 5.5);
     world(&mut app).get_mut::<Transform>(part).unwrap().translation.x = 3.0;
     steps(&mut app, 1);
-    assert_eq!(record(&app, body).model.digest(), first.digest());
+    assert_eq!(record(&app, body).model().unwrap().digest(), first.model().unwrap().digest());
 
     // Its own collider may go, as long as a part is left.
     world(&mut app).entity_mut(body).remove::<Collider>();
     steps(&mut app, 1);
-    assert_eq!((record(&app, body).model.bounds().min.x, bodies(&app)), (2.5, 1));
+    assert_eq!((record(&app, body).model().unwrap().bounds().min.x, bodies(&app)), (2.5, 1));
     world(&mut app).entity_mut(body).insert(unit());
     steps(&mut app, 1);
 
@@ -108,7 +108,7 @@ fn a_part_goes_from_one_body_to_another_and_a_group_with_its_parts() {
     let group = world(&mut app).spawn((at(3.0, 0.0, 0.0), ChildOf(one))).id();
     let part = world(&mut app).spawn((unit(), Transform::IDENTITY, ChildOf(group))).id();
     steps(&mut app, 1);
-    let reach = |app: &SceneApp, body| record(app, body).model.bounds().max.x;
+    let reach = |app: &SceneApp, body| record(app, body).model().unwrap().bounds().max.x;
     assert_eq!([one, two].map(|body| reach(&app, body)), [3.5, 0.5]);
     world(&mut app).entity_mut(group).insert(ChildOf(two));
     steps(&mut app, 1);
@@ -144,12 +144,12 @@ fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
     let turned = at(9.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
     let [one, two] = [up(0.0), turned].map(|place| spawn(&mut app, place));
     steps(&mut app, 1);
-    let model = record(&app, one).model;
-    assert!(model.is_same(&record(&app, two).model));
+    let model = record(&app, one).shape;
+    assert!(model.is_same(&record(&app, two).shape));
     let before = app.app().world().get::<Transform>(one).unwrap().translation.x;
     steps(&mut app, 3);
     assert!(app.app().world().get::<Transform>(one).unwrap().translation.x > before);
-    assert!(model.is_same(&record(&app, one).model));
+    assert!(model.is_same(&record(&app, one).shape));
 }
 
 #[test]

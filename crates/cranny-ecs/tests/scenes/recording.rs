@@ -121,6 +121,7 @@ fn a_body_that_changes_its_shape_is_refused_in_a_replay() {
                 mesh: model.mesh(),
                 color: [1.0; 4],
                 model: Some(model),
+                primitive: None,
                 kind: None,
             };
             if step > 0 {
@@ -166,6 +167,7 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
             mesh: model.mesh(),
             color: [1.0; 4],
             model: Some(&model),
+            primitive: None,
             kind: Some(BodyKind::Dynamic),
         };
         recorder.bodies(&[body("a"), body("b")]).unwrap();

@@ -150,7 +150,7 @@ fn a_section_shows_what_two_bodies_share() {
     )
     .unwrap();
     for body in &mut scene.bodies {
-        body.model = Some(model.clone());
+        body.shape = Some(model.clone().into());
     }
     let red = |image: &cranny_render::Image| {
         let is = |p: &&[u8]| p[0] > 150 && p[1] < 40 && p[2] < 100;

@@ -187,7 +187,7 @@ fn bodies_rest_on_what_only_the_solver_knows() {
     let plate = Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap();
     let (plate, _) = Model::build(plate, &BuildOptions::default()).unwrap();
     let spec = BodySpec {
-        model: &plate,
+        shape: (&plate).into(),
         kind: cranny_rapier::BodyKind::Fixed,
         pose: Pose::at(DVec3::new(0.125, 0.0, 0.1)),
         linear_velocity: DVec3::ZERO,
@@ -256,7 +256,7 @@ fn contacts_of_fine_meshes_are_regions_with_curves_too() {
         assert_eq!(stats.queried_pairs, 0, "detected a second time");
         for pair in &world.resource::<ContactReport>().pairs {
             let models = [pair.a, pair.b]
-                .map(|id| world.resource::<Bodies>().get(id).unwrap().model.clone());
+                .map(|id| world.resource::<Bodies>().get(id).unwrap().model().unwrap().clone());
             let [a, b] = [0, 1].map(|i| Placed { model: &models[i], pose: pair.poses[i] });
             let ask = Query::of(Demand::Regions { margin });
             let direct = query(a, b, &ask, &mut PairMemory::default()).unwrap();

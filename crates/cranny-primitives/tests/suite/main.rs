@@ -3,6 +3,7 @@
 
 mod by_hand;
 mod escape;
+mod pairs;
 mod rays;
 mod revolved;
 mod rounded;

@@ -7,4 +7,4 @@ mod polyhedron;
 mod primitive;
 
 pub(crate) use polyhedron::{Core, polyhedron, rounded_polyhedron};
-pub(crate) use primitive::{measured, primitive};
+pub(crate) use primitive::{measured, placed, primitive};

@@ -1,8 +1,8 @@
 //! What is inserted into a simulation, and what is refused.
 
 use cranny_exact::{DVec3, Pose, PoseError};
-use cranny_geometry::Model;
 use cranny_narrow_phase::Normals;
+use cranny_primitives::BodyShape;
 use rapier3d::math::Real;
 use thiserror::Error;
 
@@ -26,9 +26,9 @@ pub enum BodyKind {
 
 /// A body to be inserted.
 #[derive(Clone, Debug)]
-pub struct BodySpec<'a> {
-    /// Geometry.
-    pub model: &'a Model,
+pub struct BodySpec {
+    /// Geometry: a model, or a primitive, which is rapier's own shape then.
+    pub shape: BodyShape,
     /// How it moves.
     pub kind: BodyKind,
     /// Where it starts.
@@ -83,15 +83,17 @@ pub enum SimulationError {
     },
 }
 
-impl BodySpec<'_> {
+impl BodySpec {
     /// Whether a simulation takes the numbers: rapier would carry what is none into every pose that
     /// it touches. The mass depends on the solid, and is looked at by whoever makes it.
     ///
     /// # Errors
     ///
-    /// [`SimulationError`]: a pose that is none, a velocity or coefficient out of range.
+    /// [`SimulationError`]: a pose that is none, a number of a primitive, a velocity or coefficient
+    /// out of range.
     pub fn check(&self) -> Result<(), SimulationError> {
         Pose::checked(self.pose.rotation, self.pose.translation)?;
+        self.shape.check().map_err(ShapeError::from)?;
         check_numbers(self)
     }
 }

@@ -3,8 +3,8 @@
 //! Everything takes effect in the next step. A change that may move a body wakes it.
 
 use cranny_exact::DVec3;
-use cranny_geometry::Model;
 use cranny_narrow_phase::Normals;
+use cranny_primitives::BodyShape;
 use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
 use rapier3d::math::{Real, Vector};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -69,27 +69,29 @@ impl Simulation {
     pub fn set_shape(
         &mut self,
         body: BodyIndex,
-        model: &Model,
+        shape: impl Into<BodyShape>,
         normals: Normals,
         mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
-        let source = mass.into();
-        let shape = self.options.detector.shape_with(model, normals, body.0)?;
+        let (shape, source) = (shape.into(), mass.into());
+        let (own, place) = self.options.detector.collider(&shape, normals, body.0)?;
         let mass = match self.body(body).body_type() {
-            RigidBodyType::Dynamic => Some(source.properties(model)?),
+            RigidBodyType::Dynamic => Some(source.properties(&shape)?),
             // It turns about its centre of mass, if it has one.
             RigidBodyType::Fixed => None,
-            _ => Some(source.properties(model).unwrap_or_default()),
+            _ => Some(source.properties(&shape).unwrap_or_default()),
         };
         let collider = self.tagged[body.0 as usize].collider;
-        self.tagged[body.0 as usize] = Tagged::new(model, collider, source.center());
-        self.collider_mut(body).set_shape(shape);
+        self.tagged[body.0 as usize] = Tagged::new(&shape, collider, source.center());
+        let collider = self.collider_mut(body);
+        collider.set_shape(own);
+        collider.set_position_wrt_parent(place);
         if let Some(mass) = mass {
             self.put_mass(body, mass);
         }
         if self.body(body).soft_ccd_prediction() > 0.0 {
             let handle = self.handle(body);
-            self.bodies[handle].set_soft_ccd_prediction(model.radius() as Real);
+            self.bodies[handle].set_soft_ccd_prediction(shape.radius() as Real);
         }
         self.forget(body);
         self.settled = false;
@@ -106,14 +108,14 @@ impl Simulation {
         &mut self,
         body: BodyIndex,
         kind: BodyKind,
-        model: &Model,
+        shape: impl Into<BodyShape>,
         mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
-        let source = mass.into();
+        let (shape, source) = (shape.into(), mass.into());
         // It turns about its centre of mass, if it has one.
-        let center = source.properties(model).ok();
+        let center = source.properties(&shape).ok();
         if kind == BodyKind::Dynamic {
-            self.set_mass(body, model, source)?;
+            self.set_mass(body, &shape, source)?;
         } else {
             self.leave_coordinates(body);
         }
@@ -125,7 +127,7 @@ impl Simulation {
         let own = kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let handle = self.handle(body);
         let rigid = &mut self.bodies[handle];
-        rigid.set_soft_ccd_prediction(if own { model.radius() as Real } else { 0.0 });
+        rigid.set_soft_ccd_prediction(if own { shape.radius() as Real } else { 0.0 });
         rigid.set_body_type(rapier_kind(kind), true);
         Ok(())
     }
@@ -138,13 +140,13 @@ impl Simulation {
     pub fn set_mass(
         &mut self,
         body: BodyIndex,
-        model: &Model,
+        shape: impl Into<BodyShape>,
         mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
-        let source = mass.into();
-        let properties = source.properties(model)?;
+        let (shape, source) = (shape.into(), mass.into());
+        let properties = source.properties(&shape)?;
         let collider = self.tagged[body.0 as usize].collider;
-        self.tagged[body.0 as usize] = Tagged::new(model, collider, source.center());
+        self.tagged[body.0 as usize] = Tagged::new(&shape, collider, source.center());
         self.put_mass(body, properties);
         self.wake(body);
         Ok(())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cranny_exact::{DVec3, Pose};
 use cranny_narrow_phase::{Answer, Fields};
 use rapier3d::geometry::{ContactData, ContactManifold, ContactPair, NEW_CONTACT_BIT};
-use rapier3d::math::Vector;
+use rapier3d::math::{Pose as RapierPose, Vector};
 use rapier3d::parry::query::TrackedContact;
 
 use super::{BodyIndex, Simulation};
@@ -223,12 +223,16 @@ impl Simulation {
     fn points_of(&self, pair: &ContactPair) -> Vec<SolvedPoint> {
         let Some((first, second)) = self.tags(pair) else { return Vec::new() };
         let poses = [first, second].map(|index| self.poses_before[index as usize]);
+        let places = [pair.collider1, pair.collider2].map(|collider| {
+            let place = self.colliders.get(collider).and_then(|c| c.position_wrt_parent());
+            place.copied().unwrap_or(RapierPose::IDENTITY)
+        });
         let turned = first > second;
         let points = solved(pair).map(|(manifold, point)| {
             let shapes = [manifold.subshape_pos1(), manifold.subshape_pos2()];
             let place = |k: usize, local: Vector| {
                 let in_body = shapes[k].map_or(local, |shape| shape.transform_point(local));
-                poses[k].world_from_body().apply(wide(in_body))
+                poses[k].world_from_body().apply(wide(places[k].transform_point(in_body)))
             };
             let [p, q] = [place(0, point.local_p1), place(1, point.local_p2)];
             let normal = wide(manifold.data.normal);

@@ -128,7 +128,7 @@ fn much_passes_that_is_not_named() {
     assert!(found.behind > 400, "{found:?}");
 }
 
-fn flying(model: &Model, from: DVec3, velocity: DVec3) -> BodySpec<'_> {
+fn flying(model: &Model, from: DVec3, velocity: DVec3) -> BodySpec {
     BodySpec { linear_velocity: velocity, ..spec(model, BodyKind::Dynamic, from) }
 }
 

@@ -33,7 +33,7 @@ fn at(z: f64) -> DVec3 {
     DVec3::new(0.0, 0.0, z)
 }
 
-fn moving(spec: BodySpec<'_>, velocity: DVec3) -> BodySpec<'_> {
+fn moving(spec: BodySpec, velocity: DVec3) -> BodySpec {
     BodySpec { linear_velocity: velocity, ..spec }
 }
 

@@ -17,6 +17,7 @@ mod motion;
 mod nut;
 mod pairs;
 mod parts;
+mod primitive_bodies;
 mod queries;
 mod reduced;
 mod resting;

@@ -31,8 +31,8 @@ fn a_spun_nut_keeps_turning_along_its_helix() {
         length_unit: 3.0, // about twice the nut's volume by its area, as scenes have it
         ..SimulationOptions::default()
     });
-    let spec = |model, kind, z: f64, spin: f64| BodySpec {
-        model,
+    let spec = |model: &cranny_geometry::Model, kind, z: f64, spin: f64| BodySpec {
+        shape: model.into(),
         kind,
         pose: Pose::at(DVec3::new(0.0, 0.0, z)),
         linear_velocity: DVec3::ZERO,

@@ -67,9 +67,9 @@ pub(crate) fn sheet(half: f64) -> Model {
 }
 
 /// A dynamic body of density 1 at rest.
-pub(crate) fn spec(model: &Model, kind: BodyKind, at: DVec3) -> BodySpec<'_> {
+pub(crate) fn spec(model: &Model, kind: BodyKind, at: DVec3) -> BodySpec {
     BodySpec {
-        model,
+        shape: model.into(),
         kind,
         pose: Pose::at(at),
         linear_velocity: DVec3::ZERO,

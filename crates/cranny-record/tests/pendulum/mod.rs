@@ -79,7 +79,14 @@ impl Pendulum {
         let bodies: Vec<RecordedBody> = BODIES
             .iter()
             .zip(&self.meshes)
-            .map(|(name, mesh)| RecordedBody { name, mesh, color, model: None, kind: None })
+            .map(|(name, mesh)| RecordedBody {
+                name,
+                mesh,
+                color,
+                model: None,
+                primitive: None,
+                kind: None,
+            })
             .collect();
         recorder.bodies(&bodies)
     }

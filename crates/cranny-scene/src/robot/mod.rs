@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use cranny_exact::Pose;
 use cranny_geometry::Mesh;
+use cranny_primitives::Primitive;
 use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 
 pub use kinematics::PositionError;
@@ -54,6 +55,9 @@ pub struct RobotLink {
     pub name: String,
     /// All its collision elements joined, in the link's frame; `None` where it has none.
     pub collision: Option<Arc<Mesh>>,
+    /// What collides in place of that mesh, in the link's frame: where the one collision element of
+    /// the link is a sphere, a cylinder or a capsule. The mesh then stands for it in pictures.
+    pub primitive: Option<Primitive>,
     /// All its visual elements joined, in the link's frame; `None` where none could be read.
     pub visual: Option<Arc<Mesh>>,
     /// Mass, where the file states one above 0.

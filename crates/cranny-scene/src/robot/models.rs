@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use cranny_geometry::{BuildError, BuildOptions, Mesh, Model};
+use cranny_primitives::BodyShape;
 use cranny_world::Arrangement;
 use thiserror::Error;
 
@@ -46,8 +47,12 @@ impl Robot {
     /// [`LinkModelError`].
     pub fn self_collisions(&self, disabled: &[[String; 2]]) -> Result<Arrangement, LinkModelError> {
         let mut models = LinkModels::default();
-        let of_links = self.links.iter().map(|link| {
-            link.collision.as_ref().map(|mesh| models.of(mesh, &link.name)).transpose()
+        let of_links = self.links.iter().map(|link| match link.primitive {
+            Some(primitive) => Ok(Some(BodyShape::from(primitive))),
+            None => {
+                let model = |mesh| models.of(mesh, &link.name).map(BodyShape::from);
+                link.collision.as_ref().map(model).transpose()
+            }
         });
         let of_links = of_links.collect::<Result<Vec<_>, _>>()?;
         let mut left_out = self.adjacent_links();

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::Mesh;
+use cranny_primitives::{Ball, Capsule, Cylinder, Primitive};
 use cranny_shapes::{Cuboid, Sphere};
 use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 use urdf_rs::{Geometry, Joint, JointType, Link};
@@ -27,7 +28,9 @@ const SPECK: f64 = 1e-4;
 ///
 /// `package://` addresses are looked for going up from the file; COLLADA meshes keep their axes as
 /// filed, as other robot tools do; boxes, cylinders, spheres and capsules become inscribed meshes
-/// of 32 sides. Meshes scaled by a negative factor are turned, so that outside stays outside.
+/// of 32 sides, and the latter three are [primitives](RobotLink::primitive) where they are all that
+/// collides of a link. Meshes scaled by a negative factor are turned, so that outside stays
+/// outside.
 ///
 /// # Errors
 ///
@@ -122,6 +125,10 @@ impl Reader {
             let mesh = self.geometry(&link.name, &element.geometry)?;
             collision = Some(self.placed(link, &element.origin, mesh, collision)?);
         }
+        let primitive = match &link.collision[..] {
+            [only] => primitive(&only.geometry, &only.origin),
+            _ => None,
+        };
         let mut visual = None;
         for element in &link.visual {
             let drawn = self
@@ -140,7 +147,7 @@ impl Reader {
         let mass = link.inertial.mass.value;
         let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
         let inertial = mass.map(|mass| self.inertial(link, mass)).transpose()?.flatten();
-        Ok(RobotLink { name: link.name.clone(), collision, visual, mass, inertial })
+        Ok(RobotLink { name: link.name.clone(), collision, primitive, visual, mass, inertial })
     }
 
     /// What the link's `inertial` says, in the link's frame. A tensor that no body can have is
@@ -437,6 +444,24 @@ fn is_possible(m: &DMat3, mass: f64) -> bool {
     // At most the least moment, and at least a third of it.
     let least = determinant / minors.iter().sum::<f64>();
     least > mass * SPECK * SPECK
+}
+
+/// A sphere, cylinder or capsule as what it is, in the link's frame; `None` of other geometry. What
+/// is wrong with its numbers was said as its mesh was made.
+fn primitive(geometry: &Geometry, origin: &urdf_rs::Pose) -> Option<Primitive> {
+    let (center, axis) = (DVec3::ZERO, DVec3::Z);
+    let here: Primitive = match *geometry {
+        Geometry::Sphere { radius } => Ball { center, radius }.into(),
+        Geometry::Cylinder { radius, length } => {
+            Cylinder { center, axis, half_height: 0.5 * length, radius, border: 0.0 }.into()
+        }
+        Geometry::Capsule { radius, length } => {
+            let end = 0.5 * length * axis;
+            Capsule { ends: [-end, end], radius }.into()
+        }
+        Geometry::Box { .. } | Geometry::Mesh { .. } => return None,
+    };
+    Some(here.moved(&pose(origin).ok()?.world_from_body()))
 }
 
 fn round(

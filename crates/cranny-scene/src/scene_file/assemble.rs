@@ -10,9 +10,9 @@ use std::sync::Arc;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
-    BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
-    Keyframe, KeyframedPath, Material, PairDescription, Resistance, SceneDescription, StatedMass,
-    TrackerDescription,
+    BodyDescription, BodyKind, CameraDescription, CameraView, Effect, JointDescription, JointKind,
+    Keyframe, KeyframedPath, Material, Normals, PairDescription, Resistance, SceneDescription,
+    StatedMass, TrackerDescription,
 };
 
 use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
@@ -72,6 +72,7 @@ pub(super) fn assemble(
         place_robot::place(&mut assembly, robot)?;
     }
     assembly.check_body_names()?;
+    assembly.check_effects_of_primitives()?;
     for joint in &scene.joints {
         assembly.joint(joint)?;
     }
@@ -134,6 +135,7 @@ impl Assembly<'_> {
             return Err(self.contradicted(&body.name, what));
         }
         let geometry = self.geometry(&body.name, &body.shape)?;
+        self.check_primitive(&body.name, &geometry, body.normals.into())?;
         let mass = self.mass(&body.name, kind, &geometry, body.mass, body.material.into())?;
         let visual = body.visual.as_ref().map(|visual| self.drawn(&body.name, visual));
         let path = self.path(body, kind)?;
@@ -144,7 +146,7 @@ impl Assembly<'_> {
         let description = BodyDescription {
             name: body.name.clone(),
             collision: geometry.mesh,
-            model: geometry.model,
+            shape: geometry.shape,
             visual: visual.transpose()?,
             kind,
             pose,
@@ -229,6 +231,9 @@ impl Assembly<'_> {
             .iter()
             .map(|shape| self.geometry(&group.name, shape))
             .collect::<Result<Vec<_>, _>>()?;
+        for shape in &shapes {
+            self.check_primitive(&group.name, shape, group.normals.into())?;
+        }
         let material = group.material.into();
         let masses = shapes
             .iter()
@@ -241,7 +246,7 @@ impl Assembly<'_> {
         let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
             name: format!("{}_{i}", group.name),
             collision: Arc::clone(&meshes[piece.shape]),
-            model: shapes[piece.shape].model.clone(),
+            shape: shapes[piece.shape].shape.clone(),
             visual: None,
             kind: group.kind.into(),
             pose: piece.pose,
@@ -257,6 +262,42 @@ impl Assembly<'_> {
             effects: effects(&group.effects),
         };
         self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
+        Ok(())
+    }
+
+    /// Fails if a primitive is to have what only a mesh has.
+    fn check_primitive(
+        &self,
+        body: &str,
+        geometry: &CollisionGeometry,
+        normals: Normals,
+    ) -> Result<(), SceneError> {
+        match geometry.primitive() {
+            Some(primitive) if normals != Normals::Flat => {
+                let what = format!(
+                    "a {} has no facets to smooth. Leave its `normals` out",
+                    primitive.name()
+                );
+                Err(self.contradicted(body, what))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Fails if an effect of a primitive works on a mesh.
+    fn check_effects_of_primitives(&self) -> Result<(), SceneError> {
+        for body in &self.description.bodies {
+            let Some(primitive) = body.primitive() else { continue };
+            let all = body.effects.iter().chain(&self.description.effects);
+            let of_meshes = all.filter(|effect| effect.works_on_meshes()).map(Effect::name).next();
+            if let Some(effect) = of_meshes {
+                let what = format!(
+                    "{effect} works on a mesh, but it is a {}. Give it a mesh, or name {effect} for other bodies only",
+                    primitive.name()
+                );
+                return Err(self.contradicted(&body.name, what));
+            }
+        }
         Ok(())
     }
 

@@ -7,6 +7,7 @@ use cranny_world::description::{BodyKind, Interpolation, Material, Normals, Path
 use serde::Deserialize;
 
 use super::effect::EffectFile;
+use super::primitive::PrimitiveFile;
 use super::tracker::TrackerFile;
 use super::values::{
     Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
@@ -67,6 +68,8 @@ pub(super) enum ShapeFile {
         repair: RepairFile,
     },
     Generator(Shape),
+    /// What a few numbers say, and not tessellated.
+    Primitive(PrimitiveFile),
 }
 
 /// What of a mesh may be mended.

@@ -6,9 +6,12 @@ use std::sync::Arc;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, FindingKind, Mesh, Model, Repair, Report};
+use cranny_primitives::{BodyShape, Primitive};
+use cranny_shapes::primitive_mesh;
 
 use super::assemble::Assembly;
 use super::body_syntax::{RepairFile, ShapeFile};
+use super::primitive::PrimitiveFile;
 use super::problem::{SceneError, SceneProblem};
 use crate::mesh_file::{is_saved_model, read_mesh};
 
@@ -16,13 +19,21 @@ use crate::mesh_file::{is_saved_model, read_mesh};
 #[derive(Clone, Debug)]
 pub(super) struct CollisionGeometry {
     pub(super) mesh: Arc<Mesh>,
-    /// Prepared already: meshes of files are, since mending prepares them.
-    pub(super) model: Option<Model>,
+    /// Prepared already: meshes of files are, since mending prepares them, and primitives.
+    pub(super) shape: Option<BodyShape>,
 }
 
 impl CollisionGeometry {
+    pub(super) fn model(&self) -> Option<&Model> {
+        self.shape.as_ref().and_then(BodyShape::model)
+    }
+
+    pub(super) fn primitive(&self) -> Option<&Primitive> {
+        self.shape.as_ref().and_then(BodyShape::primitive)
+    }
+
     fn of_model(model: Model) -> Self {
-        Self { mesh: Arc::new(model.mesh().clone()), model: Some(model) }
+        Self { mesh: Arc::new(model.mesh().clone()), shape: Some(model.into()) }
     }
 }
 
@@ -37,13 +48,14 @@ impl Assembly<'_> {
             return Ok(known.clone());
         }
         let geometry = match shape {
+            ShapeFile::Primitive(primitive) => self.primitive(body, *primitive)?,
             ShapeFile::Generator(shape) => {
                 let mesh = shape.build().map_err(|source| {
                     let place = self.source.find("name", body);
                     let problem = SceneProblem::Shape { body: body.to_owned(), source };
                     self.source.error(place, problem)
                 })?;
-                CollisionGeometry { mesh: Arc::new(mesh), model: None }
+                CollisionGeometry { mesh: Arc::new(mesh), shape: None }
             }
             ShapeFile::Mesh { path, scale, recenter, repair }
                 if is_saved_model(Path::new(path)) =>
@@ -67,6 +79,21 @@ impl Assembly<'_> {
         };
         self.shapes.push((shape.clone(), geometry.clone()));
         Ok(geometry)
+    }
+
+    /// A primitive, and the mesh that is drawn for it.
+    fn primitive(
+        &mut self,
+        body: &str,
+        file: PrimitiveFile,
+    ) -> Result<CollisionGeometry, SceneError> {
+        let primitive = Primitive::from(file);
+        let mesh = primitive_mesh(&primitive).map_err(|source| {
+            let place = self.source.find("name", body);
+            let problem = SceneProblem::Shape { body: body.to_owned(), source };
+            self.source.error(place, problem)
+        })?;
+        Ok(CollisionGeometry { mesh: Arc::new(mesh), shape: Some(primitive.into()) })
     }
 
     /// What is drawn, of a shape: as filed.

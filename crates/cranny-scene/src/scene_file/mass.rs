@@ -2,6 +2,7 @@
 
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::{BuildOptions, MassProperties, Mesh, MeshError, Model, SurfaceProperties};
+use cranny_primitives::{BodyShape, Primitive};
 use cranny_world::description::StatedMass;
 
 use super::body_syntax::MassFile;
@@ -19,6 +20,20 @@ pub(super) fn of(
     density: f64,
 ) -> Result<Option<(StatedMass, Option<String>)>, String> {
     let known = |mass: StatedMass| Ok(Some((mass, None)));
+    if let Some(primitive) = geometry.primitive() {
+        let of_surface = matches!(said, Some(MassFile::Shell { .. } | MassFile::Hull {}));
+        if of_surface {
+            return Err(format!(
+                "a {} has a solid: say `mass: Total(…)` or `Stated(…)`, or leave `mass` out for its density",
+                primitive.name()
+            ));
+        }
+        let is_stated = matches!(said, Some(MassFile::Stated { .. }));
+        let unbounded = matches!(primitive, Primitive::HalfSpace(_));
+        if unbounded || !is_stated && solid(geometry)?.is_none() {
+            return Err(format!("a {} has no mass. Make it Fixed or Kinematic", primitive.name()));
+        }
+    }
     match said {
         Some(MassFile::Stated { mass, center, inertia, products }) => {
             known(stated(mass.0, center.map(|c| c.0), inertia.map(|m| m.0), products.map(|p| p.0))?)
@@ -29,7 +44,7 @@ pub(super) fn of(
         None if solid(geometry)?.is_some() => Ok(None),
         None => {
             let mass = hull(geometry, density)?;
-            let lacks = match &geometry.model {
+            let lacks = match geometry.model() {
                 Some(model) if model.is_closed() => "its mesh bounds no volume",
                 _ => "its mesh is not closed",
             };
@@ -43,7 +58,7 @@ pub(super) fn of(
 }
 
 fn model(geometry: &CollisionGeometry) -> Result<Model, String> {
-    if let Some(model) = &geometry.model {
+    if let Some(model) = geometry.model() {
         return Ok(model.clone());
     }
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
@@ -53,8 +68,11 @@ fn model(geometry: &CollisionGeometry) -> Result<Model, String> {
 
 /// The solid that the mesh bounds, if it bounds one. Generators make nothing else.
 fn solid(geometry: &CollisionGeometry) -> Result<Option<MassProperties>, String> {
-    Ok(match &geometry.model {
-        Some(model) => model.mass_properties().filter(|solid| solid.volume > 0.0).copied(),
+    Ok(match &geometry.shape {
+        Some(BodyShape::Model(model)) => {
+            model.mass_properties().filter(|solid| solid.volume > 0.0).copied()
+        }
+        Some(BodyShape::Primitive(primitive)) => primitive.mass_properties(),
         None => Some(MassProperties::of(&geometry.mesh)),
     })
 }

@@ -31,6 +31,7 @@ mod locate;
 mod mass;
 mod pile;
 mod place_robot;
+mod primitive;
 mod problem;
 mod sensors;
 mod syntax;

@@ -17,7 +17,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_world::description::{
     BodyDescription, BodyKind, JointDescription, JointKind, JointPositions, Material, Mimic, Motor,
-    StatedMass,
+    Normals, StatedMass,
 };
 
 use self::groups::Groups;
@@ -217,7 +217,10 @@ impl Placing<'_> {
             // It meets nothing; what it looks like says how heavy it is.
             None => (Arc::new(inertia_box(described.inertial.as_ref())?), Vec::new()),
         };
-        let model = self.model(&collision, &described.name)?;
+        let shape = match described.primitive {
+            Some(primitive) => primitive.into(),
+            None => self.model(&collision, &described.name)?.into(),
+        };
         self.carriers[link] =
             Some(Carrier { body: self.first + self.bodies.len(), body_from_link: Pose::IDENTITY });
         self.group_of_body.push(group);
@@ -226,7 +229,7 @@ impl Placing<'_> {
         self.bodies.push(BodyDescription {
             name: format!("{}/{}", self.name, described.name),
             collision,
-            model: Some(model),
+            shape: Some(shape),
             visual: described.visual.clone(),
             kind: if self.is_base(group) { BodyKind::Fixed } else { BodyKind::Dynamic },
             pose,
@@ -236,7 +239,11 @@ impl Placing<'_> {
             tracker: None,
             material: Material::from(self.file.material),
             mass: None,
-            normals: self.file.normals.into(),
+            // What is no mesh has no facets to smooth.
+            normals: match described.primitive {
+                Some(_) => Normals::Flat,
+                None => self.file.normals.into(),
+            },
             sensor: false,
             layers,
             effects: effects(&self.file.effects),
@@ -327,7 +334,11 @@ impl Placing<'_> {
         };
         let model = self.model(&Arc::clone(mesh), name)?;
         let density = self.file.material.density();
-        let solid = model.mass_properties().filter(|solid| solid.volume > 0.0);
+        let solid = match described.primitive {
+            Some(primitive) => primitive.mass_properties(),
+            None => model.mass_properties().copied(),
+        };
+        let solid = solid.filter(|solid| solid.volume > 0.0);
         let by_volume = |volume: f64| described.mass.map_or(density, |mass| mass / volume);
         if let Some(solid) = solid {
             let density = by_volume(solid.volume);

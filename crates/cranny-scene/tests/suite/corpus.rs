@@ -9,6 +9,7 @@ use cranny_concavity::ConcavityKind;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_scene::{Robot, read_mesh, read_robot};
+use cranny_world::Wanted;
 use cranny_world::description::JointPositions;
 use serde_json::Value;
 
@@ -130,11 +131,24 @@ fn robots_load_with_the_links_and_pairs_expected() {
         let named: Vec<[String; 2]> =
             serde_json::from_value(expected["adjacent_excluded"].clone()).unwrap();
         assert_eq!(adjacent, named);
+        let mut as_they_are = robot.self_collisions(&[]).unwrap();
         for config in expected["configs"].as_array().unwrap() {
             let positions: JointPositions = serde_json::from_value(config["q"].clone()).unwrap();
             let poses = robot.forward_kinematics(&positions).unwrap();
             let hits: Vec<[String; 2]> = serde_json::from_value(config["hits"].clone()).unwrap();
             assert_eq!(meeting_links(&robot, &poses), hits, "{name} {positions:?}");
+            // The same of spheres and cylinders as what they are.
+            let found = as_they_are.at(&poses, Wanted::Meeting).unwrap().meeting;
+            let mut named: Vec<[String; 2]> = found
+                .into_iter()
+                .map(|(a, b)| {
+                    let mut pair = [a, b].map(|i| robot.links[i].name.clone());
+                    pair.sort();
+                    pair
+                })
+                .collect();
+            named.sort();
+            assert_eq!(named, hits, "{name} {positions:?}");
         }
     }
 }

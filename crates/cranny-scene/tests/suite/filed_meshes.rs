@@ -66,7 +66,7 @@ fn a_closed_mesh_weighs_what_its_solid_weighs() {
     let files = Files::new();
     let loaded = files.body("\"cube.obj\"", "").unwrap();
     assert_eq!((loaded.description.bodies[0].mass, loaded.warnings.len()), (None, 0));
-    let model = loaded.description.bodies[0].model.as_ref().unwrap();
+    let model = loaded.description.bodies[0].shape.as_ref().unwrap().model().unwrap();
     assert_eq!(model.mass_properties().unwrap().volume, 1.0);
 }
 
@@ -129,7 +129,7 @@ fn cracks_are_mended_unless_the_scene_says_otherwise() {
     let files = Files::new();
     let mended = files.body("\"cracked.obj\"", "").unwrap();
     let volume = |loaded: &LoadedScene| {
-        let model = loaded.description.bodies[0].model.as_ref().unwrap();
+        let model = loaded.description.bodies[0].shape.as_ref().unwrap().model().unwrap();
         // Faces that are parted elsewhere round elsewhere.
         model.mass_properties().map(|solid| (1e9 * solid.volume).round() / 1e9)
     };
@@ -153,7 +153,7 @@ fn a_saved_model_is_taken_as_it_was_saved() {
     fs::write(files.path("t.cranny"), model.encode()).unwrap();
     let loaded = files.body("\"t.cranny\"", "").unwrap();
     let body = &loaded.description.bodies[0];
-    assert_eq!(body.model.as_ref().unwrap().digest(), model.digest());
+    assert_eq!(body.shape.as_ref().unwrap().model().unwrap().digest(), model.digest());
     assert_eq!((&*body.collision, loaded.files.len()), (model.mesh(), 1));
     for (shape, words) in [
         ("\"t.cranny\", scale: 2", "a saved model"),

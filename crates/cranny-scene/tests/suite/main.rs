@@ -28,6 +28,7 @@ mod misnamed;
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod moves;
 mod polygons;
+mod primitives;
 mod robots;
 mod scene_page;
 mod scenes;

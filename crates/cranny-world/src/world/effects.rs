@@ -96,7 +96,7 @@ impl World {
 
     /// The level at which a pair is answered: the most exact of those of its effects, where an
     /// effect that states none is at the pair's level, or else at the world's. What needs contacts
-    /// is exact.
+    /// is exact; a pair with a primitive is answered at once, whatever its level.
     ///
     /// # Errors
     ///
@@ -201,7 +201,7 @@ impl World {
 
     pub(super) fn refresh_box(&mut self, id: BodyId) -> Result<(), WorldError> {
         let body = self.known(id)?;
-        let around = world_box(&body.model, &body.pose, self.growth(id, body));
+        let around = world_box(&body.shape, &body.pose, self.growth(id, body));
         let refused = self.broad_phase.set_box(ProxyId(id.0), around).err();
         refused.map_or(Ok(()), |source| {
             let name = self.name(id).unwrap_or_default().to_owned();

@@ -171,11 +171,12 @@ fn take(app: &mut SceneApp, near: &mut NearPairs) {
         return;
     };
     let world = detector.world();
+    // Primitives have no levels.
     let placed = |(id, body): (BodyId, &'_ Body)| {
-        let (pose, model) = (body.pose(), body.model().clone());
-        (id, pose.world_from_body().bounds(&model.bounds()), model, pose)
+        let (pose, model) = (body.pose(), body.shape().model()?.clone());
+        Some((id, pose.world_from_body().bounds(&model.bounds()), model, pose))
     };
-    let all: Vec<_> = world.bodies().map(placed).collect();
+    let all: Vec<_> = world.bodies().filter_map(placed).collect();
     for (i, (a, a_box, a_model, a_pose)) in all.iter().enumerate() {
         for (b, b_box, b_model, b_pose) in &all[i + 1..] {
             if a_box.overlaps(b_box) && world.may_meet(*a, *b).is_ok_and(|can| can) {

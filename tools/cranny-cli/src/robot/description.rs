@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cranny_primitives::Primitive;
 use cranny_scene::Robot;
 use cranny_scene::robot::{RobotJoint, RobotLink};
 use cranny_world::Arrangement;
@@ -27,8 +28,10 @@ pub(super) struct Description {
 #[derive(Debug, Serialize)]
 struct LinkDescription {
     name: String,
-    /// Faces of its collision geometry.
+    /// Of the mesh that collides.
     faces: Option<usize>,
+    /// What collides in place of a mesh: "ball".
+    primitive: Option<&'static str>,
     mass: Option<f64>,
     /// Whether the file states an inertia that a body can have.
     inertia: bool,
@@ -77,7 +80,7 @@ impl Description {
             self.checked_pairs
         )];
         let width = self.links.iter().map(|link| link.name.len()).max().unwrap_or(0).max(4);
-        lines.push(format!("\n{:width$}  {:>7}  {:>10}  inertia", "link", "faces", "mass, kg"));
+        lines.push(format!("\n{:width$}  {:>8}  {:>10}  inertia", "link", "faces", "mass, kg"));
         lines.extend(self.links.iter().map(|link| link.text(width)));
         if !self.joints.is_empty() {
             lines.push(joints_text(&self.joints));
@@ -92,19 +95,22 @@ impl Description {
 
 impl LinkDescription {
     fn of(link: &RobotLink) -> Self {
+        let mesh = link.collision.as_ref().filter(|_| link.primitive.is_none());
         Self {
             name: link.name.clone(),
-            faces: link.collision.as_ref().map(|mesh| mesh.faces().len()),
+            faces: mesh.map(|mesh| mesh.faces().len()),
+            primitive: link.primitive.as_ref().map(Primitive::name),
             mass: link.mass,
             inertia: link.inertial.is_some(),
         }
     }
 
     fn text(&self, width: usize) -> String {
-        let faces = self.faces.map_or("-".to_owned(), |faces| faces.to_string());
+        let faces = self.faces.map(|faces| faces.to_string());
+        let faces = faces.unwrap_or_else(|| self.primitive.unwrap_or("-").to_owned());
         let mass = self.mass.map_or("-".to_owned(), |mass| format!("{mass:.4}"));
         let inertia = if self.inertia { "stated" } else { "-" };
-        format!("{:width$}  {faces:>7}  {mass:>10}  {inertia}", self.name)
+        format!("{:width$}  {faces:>8}  {mass:>10}  {inertia}", self.name)
     }
 }
 

@@ -59,11 +59,11 @@ impl Placing<'_> {
     ) -> Result<Vec<(usize, usize)>, ArrangementError> {
         let in_robot = |&(a, b): &(usize, usize)| (a - self.first, b - self.first);
         let excluded: BTreeSet<_> = excluded.iter().map(in_robot).collect();
-        let models =
-            self.bodies.iter().map(|body| body.model.clone().filter(|_| !body.layers.is_empty()));
+        let shapes =
+            self.bodies.iter().map(|body| body.shape.clone().filter(|_| !body.layers.is_empty()));
         let pairs = (0..self.bodies.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let pairs = pairs.filter(|pair| !excluded.contains(pair));
         let poses: Vec<Pose> = self.bodies.iter().map(|body| body.pose).collect();
-        Ok(Arrangement::new(models.collect(), pairs).at(&poses, Wanted::Meeting)?.meeting)
+        Ok(Arrangement::new(shapes.collect(), pairs).at(&poses, Wanted::Meeting)?.meeting)
     }
 }
