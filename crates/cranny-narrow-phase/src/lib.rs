@@ -31,8 +31,8 @@
 //!
 //! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
 //! about solids, seeing planes by `projection`; `closest` measures faces, among those that lie
-//! `foremost` where a plane parts the hulls, along the line that `hulls` finds; `contacts` evaluates
-//! features that face each other.
+//! `foremost` where a plane parts the hulls, along the line that `hulls` finds; `contacts`
+//! evaluates features that face each other.
 //!
 //! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces
 //! along them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and
