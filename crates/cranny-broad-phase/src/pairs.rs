@@ -8,8 +8,8 @@
 //! 2. [`PairSet::apply`] takes it out of the set and makes [`OverlapEvent::Ended`] of it.
 //! 3. Whoever keeps something about pairs forgets it: `World::update_pairs` of `cranny-world` the
 //!    memory of its queries. rapier has a broad phase of its own, so `Simulation::forget_parted` of
-//!    `cranny-rapier` (`simulation/stepping.rs`) drops answers and searches of the pairs that rapier
-//!    has dropped, some steps later.
+//!    `cranny-rapier` (`simulation/stepping.rs`) drops answers and searches of the pairs that
+//!    rapier has dropped, some steps later.
 
 use crate::{OverlapEvent, OverlapPair, ProxyId};
 
