@@ -257,7 +257,13 @@ impl Collisions<'_, '_> {
         if self.effects.tracked(a, b).is_some() {
             return triggered;
         }
+        // Of primitives a solver has no answer, but what it pushes touches.
+        #[cfg(feature = "rapier")]
+        let pressed = self.solver.as_ref().is_some_and(|solver| solver.impulse(a, b) > 0.0);
+        #[cfg(not(feature = "rapier"))]
+        let pressed = false;
         triggered
+            || pressed
             || self.get(body, other).is_some_and(|collision| {
                 let overlaps = collision.deepest().is_some_and(|point| point.depth >= 0.0);
                 collision.impulse > 0.0 || overlaps

@@ -221,13 +221,9 @@ impl Plugin for MotionPlugin {
     }
 }
 
-/// Where a body is.
+/// Where a body is. A half-space is everywhere, so nothing leaves a scene that has one.
 fn filled(record: &BodyRecord, pose: &Pose) -> Aabb {
-    match record.shape.radius().is_finite() {
-        true => record.shape.bounds(&pose.world_from_body()),
-        // A half-space is everywhere: it says nothing about where a scene is.
-        false => Aabb::EMPTY,
-    }
+    record.shape.bounds(&pose.world_from_body())
 }
 
 fn begin_track(

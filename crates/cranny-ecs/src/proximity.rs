@@ -136,8 +136,8 @@ struct Found {
 /// The distances that a step found, exact ones first.
 fn distances(report: &StepReport) -> impl Iterator<Item = Found> {
     let exact = report.answers.iter().filter_map(|pair| {
-        let (distance, witnesses) = pair.answer.distance.zip(pair.answer.witnesses)?;
-        let points = Some(witnesses.map(|witness| witness.point));
+        let distance = pair.answer.distance?;
+        let points = pair.answer.witnesses.map(|both| both.map(|witness| witness.point));
         Some(Found { ids: [pair.a, pair.b], distance, at_most: distance, points })
     });
     let estimated = report.estimates.iter().map(|pair| Found {

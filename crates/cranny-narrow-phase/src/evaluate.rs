@@ -79,7 +79,8 @@ pub fn query(
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
-            // What regions say leads out of a whole overlap, and is no surface's.
+            // What regions say where no vertex does leads out of a whole overlap, and is no
+            // surface's.
             if let Normals::Smooth { crease_angle } = normals
                 && found.regions.is_empty()
             {

@@ -100,7 +100,9 @@ pub(crate) fn settled(pair: &Pair, contact: Contact) -> Contact {
     };
     let Some([point_a, point_b]) = points else { return contact };
     match normal.dot(point_b - point_a) {
-        separation if separation <= 0.0 => Contact { point_a, point_b, separation, ..contact },
+        separation if separation <= pair.length_error() => {
+            Contact { point_a, point_b, separation: separation.min(0.0), ..contact }
+        }
         _ => contact,
     }
 }

@@ -64,13 +64,13 @@ pub(crate) fn contacts(
 }
 
 /// Contacts of a solid (A) with the half-space beneath it: the lowest point of each of its circles,
-/// or four of one that lies flat.
+/// and four more of one that lies flat.
 fn on_plane(solid: &Revolved, &Plane { normal, offset }: &Plane, margin: f64) -> Vec<Contact> {
     let flat = solid.axis().dot(normal).abs() > FLAT;
     let (u, v) = solid.axis().any_orthonormal_pair();
     let around = solid.circles().flat_map(|(r, c)| [c + r * u, c - r * u, c + r * v, c - r * v]);
     let lowest = solid.rims(-normal);
-    let points: Vec<DVec3> = if flat { around.collect() } else { lowest.collect() };
+    let points: Vec<DVec3> = if flat { around.chain(lowest).collect() } else { lowest.collect() };
     let contact = |(k, point): (usize, DVec3)| {
         let point_a = point - normal * solid.radius();
         let separation = normal.dot(point_a) - offset;

@@ -13,6 +13,7 @@ use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, Region, query};
 
 use crate::between::{PlacedShape, ShapeQueryError, deepest, query_shapes};
+use crate::primitive::Primitive;
 use crate::shape::BodyShape;
 
 /// How often a body is led on along one direction. More: a screw in its thread takes longer to be
@@ -118,8 +119,15 @@ pub fn way_apart_of_shapes(
     Ok(until.is_finite().then(|| direction * (until + room)))
 }
 
-/// Along the deepest contact; between the centres where none is found.
+/// Along the deepest contact; where none is found, out of a half-space, or between the centres.
 fn first_direction(a: PlacedShape<'_>, b: PlacedShape<'_>, answer: &Answer) -> DVec3 {
+    let outward = |placed: PlacedShape<'_>| match placed.primitive() {
+        Some(Primitive::HalfSpace(plane)) => plane.normal.try_normalize(),
+        _ => None,
+    };
+    if let Some(normal) = outward(a).or_else(|| outward(b).map(|normal| -normal)) {
+        return normal;
+    }
     let center = |p: PlacedShape<'_>| p.pose.world_from_body().apply(p.shape.center());
     let between = || (center(b) - center(a)).try_normalize().unwrap_or(DVec3::Z);
     deepest(answer).map_or_else(between, |contact| contact.normal)

@@ -247,9 +247,14 @@ const WHOLE: Aabb = Aabb { min: DVec3::splat(-MAX_COORDINATE), max: DVec3::splat
 fn half_space_bounds(&Plane { normal, offset }: &Plane) -> Aabb {
     let mut bounds = WHOLE;
     for axis in 0..3 {
-        if normal[axis] == 1.0 {
+        // A hair's turn lifts the plane far away.
+        let others = [normal[(axis + 1) % 3], normal[(axis + 2) % 3]];
+        if others != [0.0; 2] {
+            continue;
+        }
+        if normal[axis] > 0.0 {
             bounds.max[axis] = offset.next_up();
-        } else if normal[axis] == -1.0 {
+        } else {
             bounds.min[axis] = (-offset).next_down();
         }
     }

@@ -59,7 +59,7 @@ pub struct StatedMass {
 /// Where a body's mass comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MassSource {
-    /// The solid that its mesh bounds, at a density.
+    /// The solid that its mesh bounds, at a density; of a primitive, the solid without its border.
     Density(f64),
     /// What is stated, whatever the mesh.
     Stated(StatedMass),

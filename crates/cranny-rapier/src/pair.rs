@@ -12,8 +12,8 @@ use std::sync::{Mutex, PoisonError};
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
-    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
-    smooth_normal,
+    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, overlaps_by_regions,
+    reduce_level_contacts, smooth_normal,
 };
 use cranny_primitives::{contacts, deep::way_out, rounded};
 use rapier3d::math::{Pose, Real};
@@ -217,7 +217,6 @@ impl PairWorkspace {
             true => solver_question(&cores, reach),
             false => Query::of(Demand::contacts(between_cores(&cores, reach.within))),
         };
-        let demand = question.demand;
         let Some(answer) = ask(models, *pose, &question, self.memory()) else {
             return Found::without_answer(Vec::new());
         };
@@ -230,7 +229,7 @@ impl PairWorkspace {
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
         let contacts = listed.iter().map(|contact| {
-            solver_contact(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
+            solver_contact(contact, ids_of(contact, models), &cores, pose, is_smooth)
         });
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
@@ -352,19 +351,14 @@ fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
     }
 }
 
-/// By what a contact is known from step to step.
-fn ids_of(
-    contact: &Contact,
-    [m1, m2]: [&Model; 2],
-    demand: Demand,
-) -> (PackedFeatureId, PackedFeatureId) {
-    match demand {
-        Demand::Contacts { .. } => {
-            let (a, b) = contact.patches(m1, m2);
-            (packed_patch(a), packed_patch(b))
-        }
-        _ => features_of(contact),
+/// By what a contact is known from step to step: its patches; of small bodies, whose patches have
+/// many contacts each, its features.
+fn ids_of(contact: &Contact, models: [&Model; 2]) -> (PackedFeatureId, PackedFeatureId) {
+    if overlaps_by_regions(models) {
+        return features_of(contact);
     }
+    let (a, b) = contact.patches(models[0], models[1]);
+    (packed_patch(a), packed_patch(b))
 }
 
 fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {

@@ -123,7 +123,8 @@ fn verification_and_the_order_of_bodies_change_nothing() {
             put(&mut world, "ball", ball(0.5), at);
         }
         let report = world.step().unwrap();
-        assert_eq!((report.stats.verified_pairs, report.mismatches.len()), (1, 0));
+        // There is no memory to verify.
+        assert_eq!((report.stats.verified_pairs, report.mismatches.len()), (0, 0));
         report.answers.into_iter().next().unwrap().answer
     };
     assert_eq!(answers(true).swapped(), answers(false));

@@ -75,8 +75,9 @@ fn distances_depths_and_ways_of_primitives_without_a_solver() {
     steps(&mut app, 1);
     let world = world(&mut app);
     let report = world.resource::<ProximityReport>();
-    let [pair] = &report.pairs[..] else { panic!("{report:?}") };
-    assert_eq!((pair.distance, pair.other), (2.5, near));
+    let [clear, meets] = &report.pairs[..] else { panic!("{report:?}") };
+    assert_eq!((clear.distance, clear.other), (2.5, near));
+    assert_eq!((meets.distance, meets.other), (0.0, sunk));
     let report = world.resource::<PenetrationReport>();
     let [pair] = &report.pairs[..] else { panic!("{report:?}") };
     assert_eq!((pair.other, pair.depth), (sunk, Some(0.25)));

@@ -52,10 +52,12 @@ use crate::surface::FacePair;
 const SMALL: usize = 64;
 
 /// Whether [`Demand::Contacts`](crate::Demand) makes the contacts of an overlap of two models from
-/// its regions: where one of them has fewer than 64 faces.
+/// its regions: where one of them has fewer than 64 faces, and both are closed. (Regions of open
+/// surfaces have no depth.)
 #[must_use]
 pub fn overlaps_by_regions(models: [&Model; 2]) -> bool {
-    models.iter().any(|model| model.mesh().faces().len() < SMALL)
+    models.iter().all(|model| model.is_closed())
+        && models.iter().any(|model| model.mesh().faces().len() < SMALL)
 }
 
 /// Order of contacts: the nearest first, ties by lowest features.

@@ -12,7 +12,7 @@ use cranny_narrow_phase::{
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
 use cranny_testkit::{Rng, from_surface, world_triangles};
 
-use crate::solids::{at, model, octahedron, shape};
+use crate::solids::{ask, at, model, octahedron, shape};
 
 fn contacts_with(a: Placed, b: Placed, margin: f64, memory: &mut PairMemory) -> Answer {
     query(a, b, &Query::of(Demand::contacts(margin)), memory).unwrap()
@@ -278,6 +278,41 @@ fn what_dips_into_a_plate_is_sent_back_whence_it_came() {
     let answer = contacts(at(&plate, 0.0, 0.0, 0.0), at(&spike, 0.3, 0.2, 1.05 - 0.07), 0.05);
     assert!((answer.contacts[0].normal - DVec3::Z).length() < 1e-9);
     assert!((answer.contacts[0].separation + 0.07).abs() < 1e-9);
+}
+
+/// Regions of open surfaces have no depth; a tip of one in a solid has.
+#[test]
+fn an_open_tip_in_a_small_solid_has_its_depth() {
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    let rim = corners.map(|(x, y)| DVec3::new(x, y, 1.0));
+    let vertices = [DVec3::ZERO].into_iter().chain(rim).collect();
+    let sides = vec![[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4]];
+    let tip = model(Mesh::new(vertices, sides).unwrap());
+    assert!(!tip.is_closed());
+    let cube = shape(Cuboid::default());
+    let answer = contacts(at(&cube, 0.0, 0.0, 0.0), at(&tip, 0.1, 0.2, 0.4), 0.05);
+    let deepest = answer.contacts[0];
+    assert!((deepest.separation + 0.1).abs() < 1e-12, "{:?}", answer.contacts);
+    assert_eq!(deepest.normal, DVec3::Z);
+}
+
+/// Of small bodies the contacts of an overlap are those of its regions; beyond it, gaps.
+#[test]
+fn small_bodies_overlap_as_their_regions_say() {
+    let (cube, slab) = (shape(Cuboid::default()), shape(Cuboid { size: [4.0, 4.0, 0.5] }));
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.2, -0.1, 0.4));
+    for (rotation, z) in [(turn, 0.74), (DQuat::IDENTITY, 0.7), (turn, 0.6)] {
+        let a = at(&slab, 0.0, 0.0, 0.0);
+        let pose = Pose { rotation, translation: DVec3::new(0.3, 0.2, z) };
+        let b = Placed { model: &cube, pose };
+        let found = contacts(a, b, 0.0).contacts;
+        let regions = ask(a, b, Demand::Regions { margin: 0.0 }).contacts;
+        let overlaps = |all: &[Contact]| -> Vec<Contact> {
+            all.iter().copied().filter(|contact| contact.separation < 0.0).collect()
+        };
+        assert_eq!(overlaps(&found), overlaps(&regions), "at {z}");
+        assert!(!overlaps(&found).is_empty(), "at {z}");
+    }
 }
 
 #[test]

@@ -126,8 +126,9 @@ impl Revolved {
     /// The box of the solid, its border included.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        let spread = |a: f64| (1.0 - a * a).max(0.0).sqrt();
-        let spread = DVec3::new(spread(self.axis.x), spread(self.axis.y), spread(self.axis.z));
+        let DVec3 { x, y, z } = self.axis;
+        // Without cancellation where the axis is nearly one of the frame's.
+        let spread = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
         let ends = self.circles().flat_map(|(r, c)| [c - r * spread, c + r * spread]);
         let size = self.middle().abs().max_element() + self.extent() + self.radius;
         Aabb::of_points(ends).grown(self.radius + ROUNDING * size)
