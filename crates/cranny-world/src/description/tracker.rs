@@ -184,8 +184,13 @@ impl TrackerDescription {
     /// seconds, where none is missing: what is there as a step begins is shown at its end.
     #[must_use]
     pub fn greatest_age(&self, step: f64) -> f64 {
+        self.settings.delay + self.age_beyond_delay(step)
+    }
+
+    /// By how much such a pose is older than the delay, at most.
+    fn age_beyond_delay(&self, step: f64) -> f64 {
         let SimulatedDevice { rate, latency, latency_spread, .. } = self.device;
-        self.settings.delay.max(latency + latency_spread + step) + 1.0 / rate
+        (latency + latency_spread + step - self.settings.delay).max(0.0) + 1.0 / rate
     }
 
     /// Whether all numbers are in range and go together, in steps of so many seconds.
@@ -203,7 +208,7 @@ impl TrackerDescription {
             return Err(TrackerError::TooManyWaiting { rate, poses, most });
         }
         // A body that is delayed counts as lost by the age beyond its delay.
-        let age = self.greatest_age(step) - delay;
+        let age = self.age_beyond_delay(step);
         if age >= lost_after {
             return Err(TrackerError::AlwaysLost { age, lost_after });
         }
