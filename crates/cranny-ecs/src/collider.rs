@@ -5,8 +5,9 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildError, BuildOptions, Mesh, MeshError, Model};
+use cranny_geometry::{BuildError, BuildOptions, Mesh, Model};
 use cranny_primitives::{Ball, BodyShape, Capsule, Cone, Cylinder, HalfSpace, Primitive, Segment};
+use cranny_shapes::{Cuboid, ShapeError};
 use thiserror::Error;
 
 use crate::admission::{note_change, note_removal};
@@ -39,19 +40,13 @@ pub struct Collider {
     shape: BodyShape,
 }
 
-/// A cuboid that is none.
+/// A cuboid that cannot be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CuboidError {
-    /// A side that is not a finite length above 0.
-    #[error("the sides of a cuboid are {sides}: each must be a finite number above 0")]
-    Sides {
-        /// The values found.
-        sides: DVec3,
-    },
-    /// A coordinate outside the domain.
+    /// A side that is no length.
     #[error(transparent)]
-    Mesh(#[from] MeshError),
+    Shape(#[from] ShapeError),
     /// A mesh that cannot be prepared.
     #[error(transparent)]
     Build(#[from] BuildError),
@@ -82,19 +77,7 @@ impl Collider {
     ///
     /// [`CuboidError`].
     pub fn cuboid(x: f64, y: f64, z: f64) -> Result<Self, CuboidError> {
-        let sides = DVec3::new(x, y, z);
-        if !(sides.is_finite() && sides.cmpgt(DVec3::ZERO).all()) {
-            return Err(CuboidError::Sides { sides });
-        }
-        let end = |bit: u32, half: f64| if bit == 0 { -half } else { half };
-        let half = 0.5 * sides;
-        let corner =
-            |k: u32| DVec3::new(end(k & 1, half.x), end(k & 2, half.y), end(k & 4, half.z));
-        let squares =
-            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let faces = squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        let mesh = Mesh::new((0..8).map(corner).collect(), faces.collect())?;
-        Ok(Self::from_mesh(mesh)?)
+        Ok(Self::from_mesh(Cuboid { size: [x, y, z] }.build()?)?)
     }
 
     /// All within a radius of a segment of a length along y, about the origin.

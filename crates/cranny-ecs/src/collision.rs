@@ -258,15 +258,10 @@ impl Collisions<'_, '_> {
             return triggered;
         }
         // Of primitives a solver has no answer, but what it pushes touches.
-        #[cfg(feature = "rapier")]
-        let pressed = self.solver.as_ref().is_some_and(|solver| solver.impulse(a, b) > 0.0);
-        #[cfg(not(feature = "rapier"))]
-        let pressed = false;
         triggered
-            || pressed
+            || self.impulse(ordered(a, b)) > 0.0
             || self.get(body, other).is_some_and(|collision| {
-                let overlaps = collision.deepest().is_some_and(|point| point.depth >= 0.0);
-                collision.impulse > 0.0 || overlaps
+                collision.deepest().is_some_and(|point| point.depth >= 0.0)
             })
     }
 
@@ -298,11 +293,19 @@ impl Collisions<'_, '_> {
 
     fn seen<'a>(&self, (a, b): Pair, answer: &'a Answer) -> Option<Collision<'a>> {
         let [body, other] = [self.records.get(a)?.entity, self.records.get(b)?.entity];
-        #[cfg(feature = "rapier")]
-        let impulse = self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b));
-        #[cfg(not(feature = "rapier"))]
-        let impulse = 0.0;
+        let impulse = self.impulse((a, b));
         Some(Collision { body, other, turned: false, answer, impulse })
+    }
+
+    /// The solver's of the last step; 0 without one.
+    #[cfg(feature = "rapier")]
+    fn impulse(&self, (a, b): Pair) -> f64 {
+        self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b))
+    }
+
+    #[cfg(not(feature = "rapier"))]
+    fn impulse(&self, _: Pair) -> f64 {
+        0.0
     }
 }
 

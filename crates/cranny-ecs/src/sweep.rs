@@ -4,7 +4,7 @@
 use cranny_exact::DVec3;
 use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
-use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
+use cranny_primitives::{BodyShape, PlacedShape, Primitive, query_shapes};
 
 use crate::spatial::SpatialQueryError;
 
@@ -68,14 +68,16 @@ fn certified(a: Moving<'_>, b: Moving<'_>, tolerance: f64) -> Result<Swept, Impa
     })
 }
 
-/// Conservative advancement: no point moves faster than the bound of speeds, so that until the
-/// distance is spent nothing is met.
+/// Conservative advancement: until the distance is spent by a bound of how fast the two come
+/// nearer, nothing is met.
 fn advanced(
     a: MovingShape<'_>,
     b: MovingShape<'_>,
     tolerance: f64,
 ) -> Result<Swept, SpatialQueryError> {
-    let speed = (a.motion.travel - b.motion.travel).length() + turning(&a) + turning(&b);
+    let turning = turning(&a) + turning(&b);
+    let travel = a.motion.travel - b.motion.travel;
+    let parted_by_planes = are_parted_by_planes(a.shape, b.shape);
     // Two half-spaces that move have no size to go by.
     let tolerance = if tolerance.is_finite() { tolerance } else { 0.0 };
     let mut time = 0.0;
@@ -85,13 +87,29 @@ fn advanced(
         if distance <= tolerance {
             return Ok(ended(&answer, time));
         }
-        let step = (distance - 0.5 * tolerance) / speed;
-        if time + step >= 1.0 {
+        let along = normal(&answer).filter(|_| parted_by_planes);
+        let closing = along.map_or(travel.length(), |way| travel.dot(way).max(0.0)) + turning;
+        let step = (answer.separation.lo - 0.5 * tolerance) / closing;
+        if closing == 0.0 || time + step >= 1.0 {
             return Ok(Swept::Free);
         }
         time += step;
     }
     Ok(Swept::Open { free_before: time })
+}
+
+/// Whether a plane across the way between the nearest points parts the two: convex bodies, and
+/// whatever is above a half-space. Then only what moves along that way brings them nearer.
+fn are_parted_by_planes(a: &BodyShape, b: &BodyShape) -> bool {
+    let primitives = [a, b].map(BodyShape::primitive);
+    let is_plane = |primitive: &Primitive| matches!(primitive, Primitive::HalfSpace(_));
+    primitives.iter().all(Option::is_some) || primitives.into_iter().flatten().any(is_plane)
+}
+
+/// From the nearest point of the first to that of the second, of length 1.
+fn normal(answer: &Answer) -> Option<DVec3> {
+    let [p, q] = answer.witnesses?.map(|witness| witness.point);
+    (q - p).try_normalize()
 }
 
 /// How far a point of a shape moves by turning, at most.
@@ -108,13 +126,10 @@ fn at(a: MovingShape<'_>, b: MovingShape<'_>, time: f64) -> Result<Answer, Spati
 
 /// Where an advance ended.
 fn ended(answer: &Answer, time: f64) -> Swept {
-    let points = answer.witnesses.map(|pair| pair.map(|witness| witness.point));
-    let hit = points.filter(|_| time > 0.0).and_then(|[p, q]| {
-        (q - p).try_normalize().map(|normal| Swept::Hit { time, point: q, normal })
-    });
+    let hit = answer.witnesses.zip(normal(answer));
     match hit {
-        Some(hit) => hit,
-        None if time > 0.0 => Swept::Open { free_before: time },
-        None => Swept::Initially,
+        _ if time == 0.0 => Swept::Initially,
+        Some(([_, on_second], normal)) => Swept::Hit { time, point: on_second.point, normal },
+        None => Swept::Open { free_before: time },
     }
 }

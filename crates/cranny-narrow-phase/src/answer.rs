@@ -315,6 +315,23 @@ impl AddAssign for Counters {
 }
 
 impl Answer {
+    /// An answer that says nothing: what [`Demand::None`](crate::Demand) gets.
+    #[must_use]
+    pub fn nothing() -> Self {
+        Self {
+            surface: Surface::None,
+            solid: false,
+            contained: None,
+            distance: None,
+            separation: Interval::WHOLE,
+            witnesses: None,
+            contacts: Vec::new(),
+            regions: Vec::new(),
+            triangle_pairs: 0,
+            counters: Counters::default(),
+        }
+    }
+
     /// Whether the bodies share a point, or one lies inside the other.
     #[must_use]
     pub fn touches(&self) -> bool {

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
 use crate::approach::Approach;
 use crate::coherent::Coherent;
-use crate::contacts::{ContactMemory, Wanted, near_patches, overlaps_by_regions};
+use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
@@ -126,22 +126,6 @@ pub fn penetrations(
     Ok(found)
 }
 
-/// An answer that says nothing yet.
-fn blank() -> Answer {
-    Answer {
-        surface: Meeting::None,
-        solid: false,
-        contained: None,
-        distance: None,
-        separation: Interval::WHOLE,
-        witnesses: None,
-        contacts: Vec::new(),
-        regions: Vec::new(),
-        triangle_pairs: 0,
-        counters: Counters::default(),
-    }
-}
-
 fn answer(
     pair: &Pair,
     posed: &mut PosedVertices,
@@ -151,7 +135,7 @@ fn answer(
     mut pockets: Option<&mut PocketMemory>,
     kept: &mut ContactMemory,
 ) -> Answer {
-    let mut out = blank();
+    let mut out = Answer::nothing();
     if *demand == Demand::None {
         return out;
     }
@@ -251,7 +235,7 @@ fn contacts(
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
 ) -> Answer {
     let mut counters = Counters::default();
-    let mut out = blank();
+    let mut out = Answer::nothing();
     coherent.begin(pair);
     if parting.gap(pair, wanted.farthest(), &mut counters) > wanted.farthest() {
         coherent.let_go();
@@ -268,15 +252,14 @@ fn contacts(
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
-    let left_to_regions = out.surface == Meeting::Cross && overlaps_by_regions(pair.models());
-    if solid && (left_to_regions || sees_no_overlap()) {
+    if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.
         let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, &mut counters);
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
-        if !left_to_regions {
+        if !near.left_to_regions {
             out.regions = regions;
         }
     }

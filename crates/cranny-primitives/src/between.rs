@@ -7,8 +7,8 @@
 use cranny_exact::{DVec3, Interval, Meeting, Pose};
 use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{
-    Answer, Contact, Containment, Counters, Demand, Feature, PairMemory, Placed, Query, QueryError,
-    Witness, query,
+    Answer, Contact, Containment, Demand, Feature, PairMemory, Placed, Query, QueryError, Witness,
+    query,
 };
 use thiserror::Error;
 
@@ -68,7 +68,7 @@ pub enum ShapeQueryError {
 /// Where a primitive takes part:
 ///
 /// - Verdict, distance, witness points and contacts are right to rounding, the distance of two
-///   cylinders or cones to a millionth. Touching is not told from overlapping: of bodies that meet,
+///   cylinders or cones to a millionth. Touching counts as overlapping: of bodies that meet,
 ///   [`Answer::surface`] is `Cross` and [`Answer::solid`] holds.
 /// - [`Answer::contained`] says only that a primitive lies wholly in a model; of a model in a
 ///   primitive, or of two primitives, it is `None`. What meets has the distance 0 and no witnesses.
@@ -148,7 +148,7 @@ fn beside_model(
     demand: Demand,
 ) -> Result<Answer, PrimitiveError> {
     if demand == Demand::None {
-        return Ok(nothing_found());
+        return Ok(Answer::nothing());
     }
     let found = found(model, primitive, reach_of(demand))?;
     let size = model.radius() + size_of(primitive);
@@ -169,7 +169,7 @@ fn between(
     demand: Demand,
 ) -> Result<Answer, PrimitiveError> {
     if demand == Demand::None {
-        return Ok(nothing_found());
+        return Ok(Answer::nothing());
     }
     let (found, iterated) = convex::found(first, second, reach_of(demand))?;
     let rounding = DISTANCE_ROUNDING * (size_of(first) + size_of(second));
@@ -195,7 +195,7 @@ fn answer_of(found: &Found, demand: Demand, error: f64) -> Answer {
     let mut answer = Answer {
         surface: if meets { Meeting::Cross } else { Meeting::None },
         solid: meets,
-        ..nothing_found()
+        ..Answer::nothing()
     };
     if !matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
         return answer;
@@ -222,21 +222,6 @@ fn answer_of(found: &Found, demand: Demand, error: f64) -> Answer {
         }
     }
     answer
-}
-
-fn nothing_found() -> Answer {
-    Answer {
-        surface: Meeting::None,
-        solid: false,
-        contained: None,
-        distance: None,
-        separation: Interval::WHOLE,
-        witnesses: None,
-        contacts: Vec::new(),
-        regions: Vec::new(),
-        triangle_pairs: 0,
-        counters: Counters::default(),
-    }
 }
 
 /// The part of a primitive that has no parts of its own.

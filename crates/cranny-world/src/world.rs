@@ -557,7 +557,7 @@ impl Found {
     }
 }
 
-/// What is wrong with a primitive, told of the body.
+/// What is wrong with a primitive, as an error about the body.
 fn refused_primitive<'a>(
     name: &'a str,
     shape: &BodyShape,

@@ -292,3 +292,23 @@ fn a_recording_of_primitives_is_computed_anew_to_the_bit() {
     assert!(report.same > 30, "{report:?}");
     assert_eq!((report.different.len(), report.unknown), (0, 0), "{report:?}");
 }
+
+/// What passes beside a plane without coming nearer to it does not hide what lies ahead.
+#[test]
+fn a_ball_that_grazes_the_ground_is_swept_past_it() {
+    let mut app = empty(&[Effect::TRIGGER]);
+    let wall = Transform::from_xyz(5.0, 0.0, 0.0);
+    world(&mut app).spawn((RigidBody::Fixed, ground()));
+    let wall = world(&mut app).spawn((RigidBody::Fixed, Collider::cylinder(0.5, 4.0), wall)).id();
+    steps(&mut app, 1);
+    let mut state = SystemState::<SpatialQuery>::new(world(&mut app));
+    let spatial = state.get(world(&mut app)).unwrap();
+    let (ball, all) = (Collider::ball(0.5), SpatialQueryFilter::default());
+    let cast = |height, way| spatial.cast_shape(&ball, &up(height), way, &all).unwrap();
+    let hit = cast(0.501, 10.0 * Vec3::X).expect("the wall is in the way");
+    assert_eq!(hit.entity, wall);
+    assert!((hit.distance - 4.0).abs() < 1e-3, "{hit:?}");
+    assert!(cast(0.501, 10.0 * Vec3::Y).is_none());
+    let hit = cast(1.5, Vec3::new(0.0, 2.0, -2.0)).expect("it falls to the ground");
+    assert!((hit.distance - 2.0f64.sqrt()).abs() < 1e-3, "{hit:?}");
+}

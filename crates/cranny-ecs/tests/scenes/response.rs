@@ -235,8 +235,8 @@ fn contacts_are_told_as_far_as_they_are_asked_for_though_the_solver_looks_less_f
     }
 }
 
-/// Meshes are asked patch by patch for the solver; regions, curves and depths are told all the
-/// same, and are those of a query at the poses told with them.
+/// The solver gets contacts by patches; regions, curves and depths are reported all the same, and
+/// are those of a query at the poses reported with them.
 #[test]
 fn contacts_of_fine_meshes_are_regions_with_curves_too() {
     let mut lying = cube("lying", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);

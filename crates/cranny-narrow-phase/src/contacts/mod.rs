@@ -72,13 +72,14 @@ pub(crate) struct Near {
     pub(crate) meeting: Vec<FacePair>,
     /// In the pair's frame; nearest first.
     pub(crate) contacts: Vec<Contact>,
+    /// Whether contacts of the overlap are left to regions ([`overlaps_by_regions`]).
+    pub(crate) left_to_regions: bool,
 }
 
 /// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
-/// solids overlap, a search of one nearest point for each vertex inside. Contacts of an overlap
-/// are left out where they are those of its regions ([`overlaps_by_regions`]).
+/// solids overlap, a search of one nearest point for each vertex inside.
 pub(crate) fn near_patches(
     pair: &Pair,
     wanted: &Wanted,
@@ -87,9 +88,10 @@ pub(crate) fn near_patches(
 ) -> Near {
     let coarse = Coarse::of(pair);
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
+    let left_to_regions = surface == Meeting::Cross && overlaps_by_regions(pair.models());
     let mut contacts = Vec::new();
     if surface == Meeting::Cross {
-        let mut deep = match overlaps_by_regions(pair.models()) {
+        let mut deep = match left_to_regions {
             true => Overlaps::none(pair, coarse),
             false => Overlaps::of(pair, coarse, &meeting, counters),
         };
@@ -123,7 +125,7 @@ pub(crate) fn near_patches(
         });
     }
     contacts.sort_by(nearer);
-    Near { surface, meeting, contacts }
+    Near { surface, meeting, contacts, left_to_regions }
 }
 
 /// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order.

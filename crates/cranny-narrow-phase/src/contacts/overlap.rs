@@ -47,7 +47,7 @@ pub(super) struct Overlaps<'p, 'm> {
 }
 
 impl<'p, 'm> Overlaps<'p, 'm> {
-    /// None.
+    /// No contacts.
     pub(super) fn none(pair: &'p Pair<'m>, coarse: Coarse) -> Self {
         Self { pair, coarse, groups: BTreeMap::new() }
     }

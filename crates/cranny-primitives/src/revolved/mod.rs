@@ -128,7 +128,8 @@ impl Revolved {
     pub fn bounds(&self) -> Aabb {
         let DVec3 { x, y, z } = self.axis;
         // Without cancellation where the axis is nearly one of the frame's.
-        let spread = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
+        let length = |p: f64, q: f64| (p * p + q * q).sqrt();
+        let spread = DVec3::new(length(y, z), length(z, x), length(x, y));
         let ends = self.circles().flat_map(|(r, c)| [c - r * spread, c + r * spread]);
         let size = self.middle().abs().max_element() + self.extent() + self.radius;
         Aabb::of_points(ends).grown(self.radius + ROUNDING * size)
