@@ -18,7 +18,7 @@ use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
-const MAX_EDGE_PAIRS_KEPT: usize = 4096;
+const MAX_EDGE_PAIRS_KEPT: usize = 512;
 
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
 #[derive(Default)]
@@ -172,12 +172,12 @@ impl View<'_, '_, '_> {
         }
         faces.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
         let footprints = Footprints::of(self.normal, faces.iter().map(|f| f.what.1.as_slice()));
+        let mut over: Vec<u32> = Vec::new();
         for vertex in vertices {
-            let over = footprints.over(vertex.point).iter().map(|&i| &faces[i as usize]);
-            let high = vertex.height;
             let floor = depths.floor();
-            let low_enough = over.take_while(|f| high - f.low >= floor);
-            self.offer_depth(side, vertex, low_enough, depths);
+            let low_enough = faces.partition_point(|f| vertex.height - f.low >= floor);
+            footprints.beside(&[vertex.point], low_enough as u32, &mut over);
+            self.offer_depth(side, vertex, over.iter().map(|&i| &faces[i as usize]), depths);
         }
     }
 

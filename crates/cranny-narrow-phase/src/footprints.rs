@@ -1,30 +1,33 @@
-//! Things by where they stand, seen along a direction: a grid in the plane at right angles to it.
+//! Things by where they stand, seen along a direction: boxes in the plane at right angles to it.
 //!
-//! A thing is listed in every cell that its footprint's box meets. The grid has about as many cells
-//! as things, or fewer if these are long: no more than [`LISTINGS`] listings a thing. So what
-//! stands over a point is found in constant time where things are of a size and in no crowd.
+//! Few things are looked at box by box. Of more, each is listed in every cell of a grid that its box
+//! meets. The grid has about as many cells as things, or fewer if these are long: no more than
+//! [`LISTINGS`] listings a thing. So what stands over a point is found in constant time where
+//! things are of a size and in no crowd.
 
 use cranny_exact::DVec3;
+
+/// As many things are not worth a grid. More: all are looked at for each; fewer: grids are made of
+/// regions that few faces bound, which most are.
+const FEW: usize = 48;
 
 /// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.
 const LISTINGS: usize = 12;
 
 /// By what part of the plane's extent a box is grown: far more than rounding moves a coordinate,
-/// far less than a cell. Smaller, and a point on a rim could be sought in the next cell; larger,
-/// and cells hold what stands beside them.
+/// far less than a cell. Smaller, and a point on a rim could be sought beside it; larger, and what
+/// stands beside a point is found too.
 const SLACK: f64 = 1e-9;
 
-/// Things listed by the cells of a plane.
+/// Least and most along each axis of the plane.
+type Seen = [[f64; 2]; 2];
+
+/// Things by their boxes in a plane.
 pub(crate) struct Footprints {
     axes: [DVec3; 2],
-    low: [f64; 2],
-    /// Cells a length.
-    scale: [f64; 2],
-    slack: f64,
-    cells: usize,
-    /// Where each cell's list begins, row by row, and the end of the last.
-    starts: Vec<u32>,
-    listed: Vec<u32>,
+    /// Grown by the slack.
+    boxes: Vec<Seen>,
+    grid: Option<Grid>,
 }
 
 impl Footprints {
@@ -33,7 +36,7 @@ impl Footprints {
     /// Cost: linear in the things, for each time that the grid proves too fine.
     pub(crate) fn of<'o>(normal: DVec3, outlines: impl Iterator<Item = &'o [DVec3]>) -> Self {
         let axes: [DVec3; 2] = normal.any_orthonormal_pair().into();
-        let boxes: Vec<[[f64; 2]; 2]> = outlines.map(|outline| seen(&axes, outline)).collect();
+        let mut boxes: Vec<Seen> = outlines.map(|outline| seen(&axes, outline)).collect();
         let mut plane = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for seen in &boxes {
             for (all, [least, most]) in plane.iter_mut().zip(seen) {
@@ -41,11 +44,57 @@ impl Footprints {
             }
         }
         let extent = plane.map(|[least, most]| (most - least).max(0.0));
+        let slack = SLACK * (extent[0] + extent[1]);
+        for [least, most] in boxes.iter_mut().flatten() {
+            (*least, *most) = (*least - slack, *most + slack);
+        }
+        let low = plane.map(|[least, _]| least);
+        let grid = (boxes.len() > FEW).then(|| Grid::of(&boxes, low, extent));
+        Self { axes, boxes, grid }
+    }
+
+    /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may
+    /// meet that of an outline or a point, and of some more.
+    pub(crate) fn beside(&self, outline: &[DVec3], end: u32, found: &mut Vec<u32>) {
+        found.clear();
+        let around = seen(&self.axes, outline);
+        let meets = |&thing: &u32| {
+            let of_axis = |i: usize| {
+                let ([least, most], [from, to]) = (self.boxes[thing as usize][i], around[i]);
+                least <= to && from <= most
+            };
+            of_axis(0) & of_axis(1)
+        };
+        match &self.grid {
+            None => found.extend((0..end.min(self.boxes.len() as u32)).filter(meets)),
+            Some(grid) => {
+                let listed = grid.beside(&around).map(|cell| {
+                    cell.iter().copied().take_while(|&thing| thing < end).filter(meets)
+                });
+                found.extend(listed.flatten());
+                found.sort_unstable();
+                found.dedup();
+            }
+        }
+    }
+}
+
+/// Things listed by the cells of a plane.
+struct Grid {
+    low: [f64; 2],
+    /// Cells a length.
+    scale: [f64; 2],
+    cells: usize,
+    /// Where each cell's list begins, row by row, and the end of the last.
+    starts: Vec<u32>,
+    listed: Vec<u32>,
+}
+
+impl Grid {
+    fn of(boxes: &[Seen], low: [f64; 2], extent: [f64; 2]) -> Self {
         let mut grid = Self {
-            axes,
-            low: plane.map(|[least, _]| least),
+            low,
             scale: [0.0; 2],
-            slack: SLACK * (extent[0] + extent[1]),
             cells: (boxes.len() as f64).sqrt().ceil().max(1.0) as usize,
             starts: Vec::new(),
             listed: Vec::new(),
@@ -67,12 +116,11 @@ impl Footprints {
     }
 
     /// First and last column, first and last row of a box in the plane.
-    fn span(&self, seen: &[[f64; 2]; 2]) -> [[usize; 2]; 2] {
+    fn span(&self, seen: &Seen) -> [[usize; 2]; 2] {
         [0, 1].map(|i| {
-            let [least, most] = seen[i];
             // A cast saturates: what lies before the first cell counts as in it.
             let cell = |x: f64| (((x - self.low[i]) * self.scale[i]) as usize).min(self.cells - 1);
-            [cell(least - self.slack), cell(most + self.slack)]
+            seen[i].map(cell)
         })
     }
 
@@ -99,35 +147,17 @@ impl Footprints {
         }
     }
 
-    fn cell(&self, cell: usize) -> &[u32] {
-        &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
-
-    /// Numbers, ascending, of all things whose footprints may hold that of a point, and of some
-    /// more.
-    pub(crate) fn over(&self, p: DVec3) -> &[u32] {
-        let [[column, _], [row, _]] = self.span(&seen(&self.axes, &[p]));
-        self.cell(row * self.cells + column)
-    }
-
-    /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may
-    /// meet that of an outline, and of some more.
-    pub(crate) fn beside(&self, outline: &[DVec3], end: u32, found: &mut Vec<u32>) {
-        found.clear();
-        let [[left, right], [bottom, top]] = self.span(&seen(&self.axes, outline));
-        for row in bottom..=top {
-            for column in left..=right {
-                let cell = self.cell(row * self.cells + column);
-                found.extend(cell.iter().take_while(|&&thing| thing < end));
-            }
-        }
-        found.sort_unstable();
-        found.dedup();
+    /// The lists, ascending each, of the cells that a box meets.
+    fn beside(&self, around: &Seen) -> impl Iterator<Item = &[u32]> {
+        let [[left, right], [bottom, top]] = self.span(around);
+        let cells = (bottom..=top)
+            .flat_map(move |row| (left..=right).map(move |column| row * self.cells + column));
+        cells.map(|cell| &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize])
     }
 }
 
-/// The box of an outline in the plane: least and most along each axis.
-fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> [[f64; 2]; 2] {
+/// The box of an outline in the plane.
+fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> Seen {
     axes.map(|axis| {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for p in outline {
@@ -159,14 +189,14 @@ mod tests {
 
     #[test]
     fn what_stands_over_a_point_is_listed_and_little_else() {
-        let grid = of(&squares(20));
+        let (grid, mut over) = (of(&squares(20)), Vec::new());
         for (x, y) in [(0.5, 0.5), (7.25, 3.5), (19.5, 19.5)] {
-            let over = grid.over(DVec3::new(x, y, -7.0));
+            grid.beside(&[DVec3::new(x, y, -7.0)], 400, &mut over);
             assert!(over.contains(&(y as u32 * 20 + x as u32)), "{x} {y}: {over:?}");
-            assert!(over.len() <= 9, "{over:?}");
+            assert!(over.len() <= 4, "{over:?}");
         }
         // On a rim: both neighbours.
-        let over = grid.over(DVec3::new(5.0, 5.5, 0.0));
+        grid.beside(&[DVec3::new(5.0, 5.5, 0.0)], 400, &mut over);
         assert!(over.contains(&104) && over.contains(&105), "{over:?}");
     }
 
@@ -191,7 +221,7 @@ mod tests {
         };
         let needles: Vec<_> = (0..300).map(needle).collect();
         let grid = of(&needles);
-        assert!(grid.listed.len() <= LISTINGS * 300);
+        assert!(grid.grid.as_ref().unwrap().listed.len() <= LISTINGS * 300);
         let mut found = Vec::new();
         grid.beside(&[DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)], 300, &mut found);
         assert_eq!(found.len(), 300);
@@ -200,8 +230,12 @@ mod tests {
     #[test]
     fn nothing_and_points_in_one_place_are_no_trouble() {
         let none: [[DVec3; 3]; 0] = [];
-        assert!(of(&none).over(DVec3::ONE).is_empty());
-        let grid = of(&[[DVec3::ONE; 3]; 5]);
-        assert_eq!(grid.over(DVec3::ONE), [0, 1, 2, 3, 4]);
+        let mut found = vec![7];
+        of(&none).beside(&[DVec3::ONE], 9, &mut found);
+        assert!(found.is_empty());
+        for count in [5, 500] {
+            of(&vec![[DVec3::ONE; 3]; count]).beside(&[DVec3::ONE], count as u32, &mut found);
+            assert!(found.iter().copied().eq(0..count as u32), "{count}: {found:?}");
+        }
     }
 }

@@ -112,7 +112,6 @@ pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
 pub use approach::Approach;
-pub use contacts::overlaps_by_regions;
 pub use evaluate::{QueryError, penetrations, query};
 pub use fields::Fields;
 pub use memory::PairMemory;

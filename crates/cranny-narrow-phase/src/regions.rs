@@ -49,9 +49,42 @@ pub(crate) fn meeting_regions(
         return (outer_touch(pair, pairs), rounding);
     }
     if !here.generic {
-        found.iter_mut().for_each(|found| found.settle(pair));
+        for Found { points, depth, .. } in &mut found {
+            settle(pair, points);
+            *depth = depth.map(|_| -points[0].separation);
+        }
     }
     (found.into_iter().map(|found| found.finish(pair)).collect(), error)
+}
+
+/// The contacts of [`meeting_regions`] of two solids that overlap, alone: in world coordinates and
+/// the caller's order.
+pub(crate) fn overlap_contacts(
+    pair: &Pair,
+    posed: &mut PosedVertices,
+    pairs: &[FacePair],
+    counters: &mut Counters,
+) -> Vec<Contact> {
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let here = intersect(pair, pairs);
+    if !is_closed(pair) {
+        let regions = open_regions(pair, &here, pairs).into_iter();
+        return regions.flat_map(|region| region.points).collect();
+    }
+    let of_regions = |pair: &Pair, intersection: &Intersection| {
+        let overlap = |c: &RegionPieces| Overlap::of(pair, intersection, c).contacts;
+        cut(pair, intersection).iter().map(overlap).collect()
+    };
+    let depth = |contacts: &Vec<Contact>| -contacts[0].separation;
+    let (mut found, _) = in_general_position(pair, posed, &here, counters, of_regions, depth);
+    if found.is_empty() {
+        found = touch_regions(pair, pairs).into_iter().map(|t| reduce(t.contacts)).collect();
+    } else if !here.generic {
+        found.iter_mut().for_each(|contacts| settle(pair, contacts));
+    }
+    found.into_iter().flatten().map(|contact| pair.world_contact(contact)).collect()
 }
 
 pub(crate) fn is_closed(pair: &Pair) -> bool {
@@ -87,15 +120,6 @@ struct Found {
 }
 
 impl Found {
-    /// Measures at the pair's own position what was read beside it.
-    fn settle(&mut self, pair: &Pair) {
-        let Self { points, .. } = self;
-        points.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
-        let deepest = (0..points.len()).min_by(|&i, &j| nearer(&points[i], &points[j]));
-        points.swap(0, deepest.unwrap_or(0));
-        self.depth = self.depth.map(|_| -self.points[0].separation);
-    }
-
     /// Into world coordinates and the caller's order.
     fn finish(self, pair: &Pair) -> Region {
         let Self { normal, depth, area, points, curves, faces } = self;
@@ -141,38 +165,61 @@ fn closed_region(
     chains: &mut Chains,
     cut: &RegionPieces,
 ) -> Found {
-    let region = MeasuredRegion::of(pair, intersection, cut);
-    let outline = Outline::of(intersection, &cut.segments);
-    let normal = outline.direction(pair, &region);
-    let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
-        let measured = depths_along(&region, normal);
-        (measured.deepest, measured.all)
-    } else {
-        (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
-    };
-    let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
-    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
-    // is longer, the one past an edge was left out.
-    contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
-    // Of corners that are equally deep but for rounding, the one that is reported is the deepest.
-    let key = |c: &Contact| (c.separation, c.id);
-    for &contact in &contacts {
-        if key(&contact) < key(&deepest) {
-            deepest = contact;
-        }
-    }
-    let mut points = reduce(contacts);
-    points.retain(|c| c.id != deepest.id);
-    points.insert(0, deepest);
+    let Overlap { outline, normal, contacts } = Overlap::of(pair, intersection, cut);
     let faces = cut.segments.iter().map(|&s| intersection.segments[s].faces).collect();
     Found {
         normal,
-        depth: Some(-deepest.separation),
+        depth: Some(-contacts[0].separation),
         area: Some(outline.area_along(normal)),
-        points,
+        points: contacts,
         curves: curves(pair, intersection, chains, &cut.segments),
         faces,
     }
+}
+
+/// What a solver reads of a region of overlap, in the pair's frame.
+struct Overlap {
+    outline: Outline,
+    normal: DVec3,
+    /// The deepest first.
+    contacts: Vec<Contact>,
+}
+
+impl Overlap {
+    fn of(pair: &Pair, intersection: &Intersection, cut: &RegionPieces) -> Self {
+        let region = MeasuredRegion::of(pair, intersection, cut);
+        let outline = Outline::of(intersection, &cut.segments);
+        let normal = outline.direction(pair, &region);
+        let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
+            let measured = depths_along(&region, normal);
+            (measured.deepest, measured.all)
+        } else {
+            (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
+        };
+        let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
+        // On the way out of the whole piece a vertex has at most the depth to go; where its nearest
+        // way is longer, the one past an edge was left out.
+        contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
+        // Of corners that are equally deep but for rounding, the one that is reported is the
+        // deepest.
+        let key = |c: &Contact| (c.separation, c.id);
+        for &contact in &contacts {
+            if key(&contact) < key(&deepest) {
+                deepest = contact;
+            }
+        }
+        let mut contacts = reduce(contacts);
+        contacts.retain(|c| c.id != deepest.id);
+        contacts.insert(0, deepest);
+        Self { outline, normal, contacts }
+    }
+}
+
+/// Measures a region's contacts at the pair's own position, which were read beside it.
+fn settle(pair: &Pair, contacts: &mut [Contact]) {
+    contacts.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
+    let deepest = (0..contacts.len()).min_by(|&i, &j| nearer(&contacts[i], &contacts[j]));
+    contacts.swap(0, deepest.unwrap_or(0));
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.

@@ -8,7 +8,6 @@
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, Pose, RigidMap};
-use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature, SAME_NORMAL};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::Real;
@@ -149,11 +148,6 @@ pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
         Feature::Edge(e) => PackedFeatureId::edge(e.0),
         Feature::Face(f) => PackedFeatureId::face(f.0),
     }
-}
-
-/// A patch, for contacts between patches. Told as a face, of which there are at least as many.
-pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
-    PackedFeatureId::face(patch.0)
 }
 
 /// What the solver learned in the last step. Each impulse is handed on once at most.

@@ -10,9 +10,8 @@ use std::mem;
 use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
-use cranny_geometry::Model;
 use cranny_narrow_phase::{
-    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, overlaps_by_regions,
+    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift,
     reduce_level_contacts, smooth_normal,
 };
 use cranny_primitives::{contacts, deep::way_out, rounded};
@@ -29,7 +28,7 @@ use crate::ask::{ask, logged};
 use crate::carried::{CarriedList, Search};
 use crate::compounds::{has_parts, parts};
 use crate::convert::{pose_to_rapier, wide};
-use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
+use crate::manifolds::{Manifold, SolverContact, packed};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
@@ -229,7 +228,7 @@ impl PairWorkspace {
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
         let contacts = listed.iter().map(|contact| {
-            solver_contact(contact, ids_of(contact, models), &cores, pose, is_smooth)
+            solver_contact(contact, features_of(contact), &cores, pose, is_smooth)
         });
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
@@ -351,16 +350,7 @@ fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
     }
 }
 
-/// By what a contact is known from step to step: its patches; of small bodies, whose patches have
-/// many contacts each, its features.
-fn ids_of(contact: &Contact, models: [&Model; 2]) -> (PackedFeatureId, PackedFeatureId) {
-    if overlaps_by_regions(models) {
-        return features_of(contact);
-    }
-    let (a, b) = contact.patches(models[0], models[1]);
-    (packed_patch(a), packed_patch(b))
-}
-
+/// By what a contact is known from step to step.
 fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {
     (packed(contact.id.0), packed(contact.id.1))
 }

@@ -194,7 +194,8 @@ fn effects_of_meshes_and_invalid_numbers_are_refused_by_name() {
         wrong,
         "body 'marble': its ball is refused: radius is -0.5: it must be a finite number, 0 or more"
     );
-    assert!(Collider::cuboid(1.0, 0.0, 1.0).unwrap_err().to_string().contains("[1, 0, 1]"));
+    let flat = Collider::cuboid(1.0, 0.0, 1.0).unwrap_err().to_string();
+    assert!(flat.starts_with("Cuboid: size"), "{flat}");
 }
 
 #[cfg(feature = "rapier")]
@@ -307,7 +308,9 @@ fn a_ball_that_grazes_the_ground_is_swept_past_it() {
     let cast = |height, way| spatial.cast_shape(&ball, &up(height), way, &all).unwrap();
     let hit = cast(0.501, 10.0 * Vec3::X).expect("the wall is in the way");
     assert_eq!(hit.entity, wall);
-    assert!((hit.distance - 4.0).abs() < 1e-3, "{hit:?}");
+    // The cylinder lies across the way, and the ball touches it a little above its middle.
+    let expected = 5.0 - (1.0 - 0.501f64.powi(2)).sqrt();
+    assert!((hit.distance - expected).abs() < 1e-3, "{hit:?}");
     assert!(cast(0.501, 10.0 * Vec3::Y).is_none());
     let hit = cast(1.5, Vec3::new(0.0, 2.0, -2.0)).expect("it falls to the ground");
     assert!((hit.distance - 2.0f64.sqrt()).abs() < 1e-3, "{hit:?}");
