@@ -176,7 +176,7 @@ impl View<'_, '_, '_> {
         for vertex in vertices {
             let floor = depths.floor();
             let low_enough = faces.partition_point(|f| vertex.height - f.low >= floor);
-            footprints.beside(&[vertex.point], low_enough as u32, &mut over);
+            footprints.beside(&[vertex.point], low_enough, &mut over);
             self.offer_depth(side, vertex, over.iter().map(|&i| &faces[i as usize]), depths);
         }
     }
@@ -267,7 +267,7 @@ impl View<'_, '_, '_> {
             if low_enough == 0 {
                 break;
             }
-            footprints.beside(&e.what.1, low_enough as u32, &mut beside);
+            footprints.beside(&e.what.1, low_enough, &mut beside);
             for g in beside.iter().map(|&i| &second[i as usize]) {
                 if e.high - g.low <= least(depths) {
                     break;

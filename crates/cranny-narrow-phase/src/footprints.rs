@@ -1,42 +1,49 @@
 //! Things by where they stand, seen along a direction: boxes in the plane at right angles to it.
 //!
-//! Few things are looked at box by box. Of more, each is listed in every cell of a grid that its box
-//! meets. The grid has about as many cells as things, or fewer if these are long: no more than
-//! [`LISTINGS`] listings a thing. So what stands over a point is found in constant time where
-//! things are of a size and in no crowd.
+//! Boxes lie side by side in lanes, eight to a block, in single precision and grown by more than
+//! that rounds. Of few things all blocks are looked at. Many are listed in every cell of a grid that
+//! their boxes meet; it has about as many cells as things, or fewer if these are long: no more than
+//! [`LISTINGS`] listings a thing.
 
 use cranny_exact::DVec3;
+use wide::f32x8;
 
-/// As many things are not worth a grid. More: all are looked at for each; fewer: grids are made of
-/// regions that few faces bound, which most are.
-const FEW: usize = 48;
+/// Boxes in a block.
+const LANES: usize = 8;
+
+/// As many things are not worth a grid. More: all are looked at for each; fewer: a grid is made that
+/// costs more than it spares.
+const FEW: usize = 384;
 
 /// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.
 const LISTINGS: usize = 12;
 
-/// By what part of the plane's extent a box is grown: far more than rounding moves a coordinate,
-/// far less than a cell. Smaller, and a point on a rim could be sought beside it; larger, and what
-/// stands beside a point is found too.
-const SLACK: f64 = 1e-9;
+/// By what part of the plane's extent a box is grown: more than single precision rounds a
+/// coordinate, which is at most the extent. Smaller, and what stands over a point could be lost;
+/// larger, and what stands beside it is found too.
+const SLACK: f64 = 1e-6;
 
 /// Least and most along each axis of the plane.
 type Seen = [[f64; 2]; 2];
 
+/// Least and most along each axis, of eight boxes.
+type Block = [[f32x8; 2]; 2];
+
 /// Things by their boxes in a plane.
 pub(crate) struct Footprints {
     axes: [DVec3; 2],
-    /// Grown by the slack.
-    boxes: Vec<Seen>,
+    low: [f64; 2],
+    blocks: Vec<Block>,
     grid: Option<Grid>,
 }
 
 impl Footprints {
     /// Lists things by the corners of their outlines, seen along `normal` (unit).
     ///
-    /// Cost: linear in the things, for each time that the grid proves too fine.
+    /// Cost: linear in the things, for each time that a grid proves too fine.
     pub(crate) fn of<'o>(normal: DVec3, outlines: impl Iterator<Item = &'o [DVec3]>) -> Self {
         let axes: [DVec3; 2] = normal.any_orthonormal_pair().into();
-        let mut boxes: Vec<Seen> = outlines.map(|outline| seen(&axes, outline)).collect();
+        let boxes: Vec<Seen> = outlines.map(|outline| seen(&axes, outline)).collect();
         let mut plane = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for seen in &boxes {
             for (all, [least, most]) in plane.iter_mut().zip(seen) {
@@ -45,35 +52,50 @@ impl Footprints {
         }
         let extent = plane.map(|[least, most]| (most - least).max(0.0));
         let slack = SLACK * (extent[0] + extent[1]);
-        for [least, most] in boxes.iter_mut().flatten() {
-            (*least, *most) = (*least - slack, *most + slack);
-        }
         let low = plane.map(|[least, _]| least);
-        let grid = (boxes.len() > FEW).then(|| Grid::of(&boxes, low, extent));
-        Self { axes, boxes, grid }
+        let block = |boxes: &[Seen]| {
+            [0, 1].map(|axis| {
+                // No box meets the lanes that are left over.
+                let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+                for (lane, seen) in boxes.iter().enumerate() {
+                    least[lane] = (seen[axis][0] - low[axis] - slack) as f32;
+                    most[lane] = (seen[axis][1] - low[axis] + slack) as f32;
+                }
+                [f32x8::from(least), f32x8::from(most)]
+            })
+        };
+        let grid = (boxes.len() > FEW).then(|| Grid::of(&boxes, low, extent, slack));
+        Self { axes, low, blocks: boxes.chunks(LANES).map(block).collect(), grid }
     }
 
     /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may
     /// meet that of an outline or a point, and of some more.
-    pub(crate) fn beside(&self, outline: &[DVec3], end: u32, found: &mut Vec<u32>) {
+    pub(crate) fn beside(&self, outline: &[DVec3], end: usize, found: &mut Vec<u32>) {
         found.clear();
         let around = seen(&self.axes, outline);
-        let meets = |&thing: &u32| {
-            let of_axis = |i: usize| {
-                let ([least, most], [from, to]) = (self.boxes[thing as usize][i], around[i]);
-                least <= to && from <= most
-            };
-            of_axis(0) & of_axis(1)
-        };
-        match &self.grid {
-            None => found.extend((0..end.min(self.boxes.len() as u32)).filter(meets)),
-            Some(grid) => {
-                let listed = grid.beside(&around).map(|cell| {
-                    cell.iter().copied().take_while(|&thing| thing < end).filter(meets)
-                });
-                found.extend(listed.flatten());
-                found.sort_unstable();
-                found.dedup();
+        if let Some(grid) = &self.grid {
+            let listed = grid.beside(&around);
+            found.extend(listed.flat_map(|cell| cell.iter().take_while(|&&i| i < end as u32)));
+            found.sort_unstable();
+            found.dedup();
+            return;
+        }
+        let [[left, right], [bottom, top]] =
+            [0, 1].map(|axis| around[axis].map(|x| f32x8::splat((x - self.low[axis]) as f32)));
+        for (number, [[least_x, most_x], [least_y, most_y]]) in
+            self.blocks.iter().take(end.div_ceil(LANES)).enumerate()
+        {
+            let meets = least_x.simd_le(right)
+                & most_x.simd_ge(left)
+                & least_y.simd_le(top)
+                & most_y.simd_ge(bottom);
+            let mut lanes = meets.to_bitmask();
+            while lanes != 0 {
+                let thing = number * LANES + lanes.trailing_zeros() as usize;
+                if thing < end {
+                    found.push(thing as u32);
+                }
+                lanes &= lanes - 1;
             }
         }
     }
@@ -82,6 +104,7 @@ impl Footprints {
 /// Things listed by the cells of a plane.
 struct Grid {
     low: [f64; 2],
+    slack: f64,
     /// Cells a length.
     scale: [f64; 2],
     cells: usize,
@@ -91,14 +114,10 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(boxes: &[Seen], low: [f64; 2], extent: [f64; 2]) -> Self {
-        let mut grid = Self {
-            low,
-            scale: [0.0; 2],
-            cells: (boxes.len() as f64).sqrt().ceil().max(1.0) as usize,
-            starts: Vec::new(),
-            listed: Vec::new(),
-        };
+    fn of(boxes: &[Seen], low: [f64; 2], extent: [f64; 2], slack: f64) -> Self {
+        let cells = (boxes.len() as f64).sqrt().ceil() as usize;
+        let (starts, listed) = (Vec::new(), Vec::new());
+        let mut grid = Self { low, slack, scale: [0.0; 2], cells, starts, listed };
         let mut spans: Vec<[[usize; 2]; 2]> = Vec::with_capacity(boxes.len());
         loop {
             grid.scale = extent.map(|e| if e > 0.0 { grid.cells as f64 / e } else { 0.0 });
@@ -118,9 +137,10 @@ impl Grid {
     /// First and last column, first and last row of a box in the plane.
     fn span(&self, seen: &Seen) -> [[usize; 2]; 2] {
         [0, 1].map(|i| {
+            let [least, most] = seen[i];
             // A cast saturates: what lies before the first cell counts as in it.
             let cell = |x: f64| (((x - self.low[i]) * self.scale[i]) as usize).min(self.cells - 1);
-            seen[i].map(cell)
+            [cell(least - self.slack), cell(most + self.slack)]
         })
     }
 
@@ -147,7 +167,7 @@ impl Grid {
         }
     }
 
-    /// The lists, ascending each, of the cells that a box meets.
+    /// The lists, each ascending, of the cells that a box meets.
     fn beside(&self, around: &Seen) -> impl Iterator<Item = &[u32]> {
         let [[left, right], [bottom, top]] = self.span(around);
         let cells = (bottom..=top)
@@ -187,30 +207,38 @@ mod tests {
         (0..n * n).map(square).collect()
     }
 
+    /// Few, and so many that they get a grid.
+    const SIDES: [u32; 2] = [10, 20];
+
     #[test]
     fn what_stands_over_a_point_is_listed_and_little_else() {
-        let (grid, mut over) = (of(&squares(20)), Vec::new());
-        for (x, y) in [(0.5, 0.5), (7.25, 3.5), (19.5, 19.5)] {
-            grid.beside(&[DVec3::new(x, y, -7.0)], 400, &mut over);
-            assert!(over.contains(&(y as u32 * 20 + x as u32)), "{x} {y}: {over:?}");
-            assert!(over.len() <= 4, "{over:?}");
+        for n in SIDES {
+            let (footprints, mut over) = (of(&squares(n)), Vec::new());
+            let all = (n * n) as usize;
+            assert_eq!(footprints.grid.is_some(), all > FEW);
+            for (x, y) in [(0.5, 0.5), (7.25, 3.5), (9.5, 9.5)] {
+                footprints.beside(&[DVec3::new(x, y, -7.0)], all, &mut over);
+                assert!(over.contains(&(y as u32 * n + x as u32)), "{x} {y}: {over:?}");
+                assert!(over.len() <= 9, "{over:?}");
+            }
+            // On a rim: both neighbours.
+            footprints.beside(&[DVec3::new(5.0, 5.5, 0.0)], all, &mut over);
+            assert!(over.contains(&(5 * n + 4)) && over.contains(&(5 * n + 5)), "{over:?}");
         }
-        // On a rim: both neighbours.
-        grid.beside(&[DVec3::new(5.0, 5.5, 0.0)], 400, &mut over);
-        assert!(over.contains(&104) && over.contains(&105), "{over:?}");
     }
 
     #[test]
     fn an_outline_finds_every_neighbour_once() {
-        let grid = of(&squares(20));
-        let mut found = vec![7];
-        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], 400, &mut found);
-        let column = (2..10).map(|y| y * 20 + 2);
-        assert!(column.clone().all(|i| found.contains(&i)), "{found:?}");
-        assert!(found.is_sorted_by(|a, b| a < b) && found.len() <= 40, "{found:?}");
-        let below: Vec<u32> = found.iter().copied().filter(|&i| i < 100).collect();
-        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], 100, &mut found);
-        assert_eq!(found, below);
+        for n in SIDES {
+            let (footprints, mut found) = (of(&squares(n)), vec![7]);
+            let along = [DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 8.5, 3.0)];
+            footprints.beside(&along, (n * n) as usize, &mut found);
+            assert!((2..9).map(|y| y * n + 2).all(|i| found.contains(&i)), "{found:?}");
+            assert!(found.is_sorted_by(|a, b| a < b) && found.len() <= 40, "{found:?}");
+            let below: Vec<u32> = found.iter().copied().filter(|&i| i < 50).collect();
+            footprints.beside(&along, 50, &mut found);
+            assert_eq!(found, below);
+        }
     }
 
     #[test]
@@ -219,12 +247,13 @@ mod tests {
             let y = 0.01 * f64::from(i);
             [DVec3::new(0.0, y, 0.0), DVec3::new(100.0, 100.0 + y, 0.0)]
         };
-        let needles: Vec<_> = (0..300).map(needle).collect();
-        let grid = of(&needles);
-        assert!(grid.grid.as_ref().unwrap().listed.len() <= LISTINGS * 300);
+        let needles: Vec<_> = (0..500).map(needle).collect();
+        let footprints = of(&needles);
+        assert!(footprints.grid.as_ref().unwrap().listed.len() <= LISTINGS * 500);
         let mut found = Vec::new();
-        grid.beside(&[DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)], 300, &mut found);
-        assert_eq!(found.len(), 300);
+        let across = [DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)];
+        footprints.beside(&across, 500, &mut found);
+        assert_eq!(found.len(), 500);
     }
 
     #[test]
@@ -234,7 +263,7 @@ mod tests {
         of(&none).beside(&[DVec3::ONE], 9, &mut found);
         assert!(found.is_empty());
         for count in [5, 500] {
-            of(&vec![[DVec3::ONE; 3]; count]).beside(&[DVec3::ONE], count as u32, &mut found);
+            of(&vec![[DVec3::ONE; 3]; count]).beside(&[DVec3::ONE], count, &mut found);
             assert!(found.iter().copied().eq(0..count as u32), "{count}: {found:?}");
         }
     }

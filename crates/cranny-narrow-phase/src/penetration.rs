@@ -27,11 +27,24 @@ const LOOKS_ALONG: f64 = 0.5;
 /// of faces take less time.
 const MAX_DIRECTIONS: usize = 64;
 
+/// The cosine of how nearly square to a direction a face is that counts as steep: 78 degrees. What
+/// overlaps it by a hair reaches along the direction as far as the face does.
+const STEEP: f64 = 0.2;
+
+/// By how much a direction leans away from steep faces, as a tangent. Smaller: an overlap of steep
+/// faces still counts for many times itself; larger: directions lean where faces are flush.
+const LEAN: f64 = 0.125;
+
+/// How many times less deep a region must be along the direction that leans. Smaller: edges that dig
+/// in are led out aslant; larger: what grazes a side is as deep as the side is high.
+const FAR_LESS: f64 = 8.0;
+
 /// How two bodies overlap in one region: the least that is needed to lead them out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// Unit direction from A to B, world: that of the area that the curves enclose, or of the least
-    /// depth where they enclose none. As [`Region::normal`].
+    /// Unit direction from A to B, world: that of the area that the curves enclose, leant away from
+    /// sides that they graze, or of the least depth where they enclose none. As
+    /// [`Region::normal`].
     pub normal: DVec3,
     /// The deepest contact along it, world; its separation is below 0, or 0 on the curve.
     pub deepest: Contact,
@@ -77,7 +90,39 @@ fn of_region(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) ->
     let region = MeasuredRegion::of(pair, intersection, pieces);
     let normal = Outline::of(intersection, &pieces.segments).direction(pair, &region);
     let deepest = deepest_along(&region, normal, f64::INFINITY);
-    (normal, deepest.unwrap_or_else(|| on_curve(intersection, pieces, normal)))
+    match deepest.map(|deepest| leant(pair, &region, normal, &deepest).unwrap_or(deepest)) {
+        Some(deepest) => (deepest.normal, deepest),
+        None => (normal, on_curve(intersection, pieces, normal)),
+    }
+}
+
+/// The deepest contact along the direction that leans from `normal` away from steep faces, where
+/// that is far less deep than `deepest`, the one along `normal`: bodies flush at a side, which
+/// overlap there by a hair, part across the side before they part along it.
+pub(crate) fn leant(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    normal: DVec3,
+    deepest: &Contact,
+) -> Option<Contact> {
+    let mut sides: Vec<DVec3> = Vec::new();
+    for side in Side::BOTH {
+        let sign = if side == Side::First { 1.0 } else { -1.0 };
+        for &face in &region.cut.pieces[side.index()].faces {
+            let away = sign * pair.normal(side, face);
+            let is_known = || sides.iter().any(|known| known.dot(away) > FLAT);
+            if away != DVec3::ZERO && away.dot(normal).abs() < STEEP && !is_known() {
+                sides.push(away);
+            }
+        }
+    }
+    let away: DVec3 = sides.into_iter().sum();
+    if away.length() < STEEP {
+        return None;
+    }
+    let leaning = (normal + LEAN * away).normalize();
+    let enough = -deepest.separation / FAR_LESS;
+    deepest_along(region, leaning, enough).filter(|found| -found.separation < enough)
 }
 
 /// A contact of depth 0 at the first point of a region's curves.

@@ -10,7 +10,7 @@ use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
-use crate::penetration::{Outline, on_curve};
+use crate::penetration::{Outline, leant, on_curve};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::special_position::{in_general_position, settled};
@@ -189,13 +189,17 @@ impl Overlap {
     fn of(pair: &Pair, intersection: &Intersection, cut: &RegionPieces) -> Self {
         let region = MeasuredRegion::of(pair, intersection, cut);
         let outline = Outline::of(intersection, &cut.segments);
-        let normal = outline.direction(pair, &region);
-        let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
+        let mut normal = outline.direction(pair, &region);
+        let (mut deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
             let measured = depths_along(&region, normal);
             (measured.deepest, measured.all)
         } else {
             (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
         };
+        if let Some(found) = deepest.and_then(|found| leant(pair, &region, normal, &found)) {
+            normal = found.normal;
+            (deepest, contacts) = (Some(found), nearest_ways_out(pair, &region));
+        }
         let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
         // On the way out of the whole piece a vertex has at most the depth to go; where its nearest
         // way is longer, the one past an edge was left out.

@@ -25,15 +25,17 @@ pub struct LoggedAnswer {
 
 impl LoggedAnswer {
     /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left;
-    /// `None` where the answer does not bound it: it holds no contacts for a solver, or the solids
-    /// overlap, which is measured region by region along directions that may change.
+    /// `None` where the answer does not bound it: it holds no contacts for a solver, or a body lay
+    /// within the other's material.
     ///
     /// A listed contact has come nearer by the [drift](drift()) at most. One that was not listed
-    /// was farther than the contact that stood for its patches, but for as much again.
+    /// was farther than the contact that stood for its patches, but for as much again. A region
+    /// that is measured along another direction meanwhile may be deeper along that; the next search
+    /// reads it.
     pub(crate) fn depth_at_most(&self, models: [&Model; 2], pose: &Pose) -> Option<f64> {
         let Demand::Contacts { margin, .. } = self.question.demand else { return None };
         let [before, now] = [&self.first_from_second, pose].map(Pose::world_from_body);
-        if self.answer.solid {
+        if self.answer.solid && self.answer.depth() == 0.0 {
             return None;
         }
         let nearest = self.answer.contacts.iter().map(|c| c.separation).fold(margin, f64::min);
