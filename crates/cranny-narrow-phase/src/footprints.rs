@@ -1,9 +1,9 @@
 //! Things by where they stand, seen along a direction: boxes in the plane at right angles to it.
 //!
 //! Boxes lie side by side in lanes, eight to a block, in single precision and grown by more than
-//! that rounds. Of few things all blocks are looked at. Many are listed in every cell of a grid that
-//! their boxes meet; it has about as many cells as things, or fewer if these are long: no more than
-//! [`LISTINGS`] listings a thing.
+//! that rounds. Of few things all blocks are looked at. Many are listed in every cell of a grid
+//! that their boxes meet; it has about as many cells as things, or fewer if these are long: no more
+//! than [`LISTINGS`] listings a thing.
 
 use cranny_exact::DVec3;
 use wide::f32x8;
@@ -11,8 +11,8 @@ use wide::f32x8;
 /// Boxes in a block.
 const LANES: usize = 8;
 
-/// As many things are not worth a grid. More: all are looked at for each; fewer: a grid is made that
-/// costs more than it spares.
+/// As many things are not worth a grid. More: all are looked at for each; fewer: a grid is made
+/// that costs more than it spares.
 const FEW: usize = 384;
 
 /// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.

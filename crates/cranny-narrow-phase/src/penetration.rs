@@ -35,8 +35,8 @@ const STEEP: f64 = 0.2;
 /// faces still counts for many times itself; larger: directions lean where faces are flush.
 const LEAN: f64 = 0.125;
 
-/// How many times less deep a region must be along the direction that leans. Smaller: edges that dig
-/// in are led out aslant; larger: what grazes a side is as deep as the side is high.
+/// How many times less deep a region must be along the direction that leans. Smaller: edges that
+/// dig in are led out aslant; larger: what grazes a side is as deep as the side is high.
 const FAR_LESS: f64 = 8.0;
 
 /// How two bodies overlap in one region: the least that is needed to lead them out.

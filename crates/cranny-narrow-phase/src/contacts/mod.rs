@@ -6,9 +6,9 @@
 //! and the same ones in the next step. So a pair of patches (`cranny_geometry::Patches`, pieces of
 //! nearly one normal) yields the contact of least separation. A patch too large to be a place
 //! yields as many as span it (`coarse`). Features make contacts only along directions that they
-//! face in the full mesh (`facing`), and their normals are exact there (`feature_pair`). Where closed
-//! solids overlap, their regions say how deep (`regions`); where an open surface pierces a solid, its
-//! vertices inside do (`pierced`, of the vertices `within`).
+//! face in the full mesh (`facing`), and their normals are exact there (`feature_pair`). Where
+//! closed solids overlap, their regions say how deep (`regions`); where an open surface pierces a
+//! solid, its vertices inside do (`pierced`, of the vertices `within`).
 //!
 //! The search hands over candidates, pairs of features with a lower bound of their distance; they
 //! are listed by pairs of patches, and evaluated by ascending bounds until no other can win
