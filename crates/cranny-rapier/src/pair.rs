@@ -11,8 +11,8 @@ use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_narrow_phase::{
-    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift,
-    reduce_level_contacts, smooth_normal,
+    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
+    smooth_normal,
 };
 use cranny_primitives::{contacts, deep::way_out, rounded};
 use rapier3d::math::{Pose, Real};
@@ -227,9 +227,9 @@ impl PairWorkspace {
         let is_smooth = self.leads_out && led.is_none();
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
-        let contacts = listed.iter().map(|contact| {
-            solver_contact(contact, features_of(contact), &cores, pose, is_smooth)
-        });
+        let contacts = listed
+            .iter()
+            .map(|contact| solver_contact(contact, features_of(contact), &cores, pose, is_smooth));
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
 

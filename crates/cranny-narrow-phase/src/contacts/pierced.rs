@@ -222,7 +222,8 @@ mod tests {
             let counters = &mut Counters::default();
             let meeting = meeting_pairs(&pair, counters);
             let mut found = PiercedSolid::of(&pair, coarse, &meeting, counters);
-            for (patches, all) in PiercedSolid::of(&pair, Coarse::all(), &meeting, counters).rest() {
+            for (patches, all) in PiercedSolid::of(&pair, Coarse::all(), &meeting, counters).rest()
+            {
                 let some = found.take(patches);
                 if coarse.holds(&pair, patches) {
                     assert_eq!(some, all, "round {round}");
