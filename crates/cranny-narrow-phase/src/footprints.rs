@@ -27,13 +27,13 @@ const SLACK: f64 = 1e-6;
 type Seen = [[f64; 2]; 2];
 
 /// Least and most along each axis, of eight boxes.
-type Block = [[f32x8; 2]; 2];
+type BoxLanes = [[f32x8; 2]; 2];
 
 /// Things by their boxes in a plane.
 pub(crate) struct Footprints {
     axes: [DVec3; 2],
     low: [f64; 2],
-    blocks: Vec<Block>,
+    blocks: Vec<BoxLanes>,
     grid: Option<Grid>,
 }
 

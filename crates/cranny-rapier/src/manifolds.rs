@@ -2,8 +2,8 @@
 //!
 //! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
 //! normals agree share a manifold, and every other contact gets one of its own: no normal is ever
-//! averaged. Impulses of the last step are carried over by ids (for two meshes those of their
-//! patches, which stay while the nearest features change) and place, or else by place alone.
+//! averaged. Impulses of the last step are carried over by ids, which are those of features, and
+//! place, or else by place alone.
 
 use std::collections::HashMap;
 
