@@ -90,6 +90,8 @@ mod motion;
 mod near;
 mod numbering;
 mod observe;
+mod outline;
+mod overlap;
 mod pair;
 mod penetration;
 mod per_model;

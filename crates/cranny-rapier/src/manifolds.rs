@@ -2,12 +2,13 @@
 //!
 //! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
 //! normals agree share a manifold, and every other contact gets one of its own: no normal is ever
-//! averaged. Impulses of the last step are carried over by ids, which are those of features, and
-//! place, or else by place alone.
+//! averaged. Impulses of the last step are carried over by ids (across a gap those of the
+//! patches, which stay while the nearest features change) and place, or else by place alone.
 
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, Pose, RigidMap};
+use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature, SAME_NORMAL};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::Real;
@@ -148,6 +149,11 @@ pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
         Feature::Edge(e) => PackedFeatureId::edge(e.0),
         Feature::Face(f) => PackedFeatureId::face(f.0),
     }
+}
+
+/// A patch, for contacts between patches, as a face, of which there are at least as many.
+pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
+    PackedFeatureId::face(patch.0)
 }
 
 /// What the solver learned in the last step. Each impulse is handed on once at most.

@@ -10,6 +10,7 @@ use std::mem;
 use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
+use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
     smooth_normal,
@@ -28,7 +29,7 @@ use crate::ask::{ask, logged};
 use crate::carried::{CarriedList, Search};
 use crate::compounds::{has_parts, parts};
 use crate::convert::{pose_to_rapier, wide};
-use crate::manifolds::{Manifold, SolverContact, packed};
+use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
@@ -227,9 +228,9 @@ impl PairWorkspace {
         let is_smooth = self.leads_out && led.is_none();
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
-        let contacts = listed
-            .iter()
-            .map(|contact| solver_contact(contact, features_of(contact), &cores, pose, is_smooth));
+        let contacts = listed.iter().map(|contact| {
+            solver_contact(contact, ids_of(contact, models), &cores, pose, is_smooth)
+        });
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
 
@@ -350,7 +351,16 @@ fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
     }
 }
 
-/// By what a contact is known from step to step.
+/// By what a contact is known from step to step: across a gap by its patches, of which it is the
+/// nearest point while features change; in an overlap, where patches have many, by its features.
+fn ids_of(contact: &Contact, models: [&Model; 2]) -> (PackedFeatureId, PackedFeatureId) {
+    if contact.separation < 0.0 {
+        return features_of(contact);
+    }
+    let (a, b) = contact.patches(models[0], models[1]);
+    (packed_patch(a), packed_patch(b))
+}
+
 fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {
     (packed(contact.id.0), packed(contact.id.1))
 }
