@@ -18,7 +18,7 @@ use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
-const MAX_EDGE_PAIRS_KEPT: usize = 512;
+const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
 #[derive(Default)]

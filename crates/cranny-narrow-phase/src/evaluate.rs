@@ -19,7 +19,7 @@ use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
-use crate::regions::{is_closed, meeting_regions, overlap_contacts};
+use crate::regions::{is_closed, meeting_regions};
 use crate::surface::{FacePair, strongest};
 
 /// A question that cannot be answered.
@@ -79,14 +79,18 @@ pub fn query(
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
-            if let Normals::Smooth { crease_angle } = normals {
+            // What regions say where no vertex does leads out of a whole overlap, and is no
+            // surface's.
+            if let Normals::Smooth { crease_angle } = normals
+                && found.regions.is_empty()
+            {
                 smooth.replace_normals(&mut found.contacts, [a, b], crease_angle)?;
             }
             found
         }
         demand => answer(pair, posed, &demand, parting, coherent, pockets, kept),
     };
-    if matches!(query.demand, Demand::Regions { .. }) {
+    if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
         tracks.follow([a, b], &mut found.regions);
     }
     Ok(found)
@@ -248,10 +252,16 @@ fn contacts(
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
-    if solid && (is_closed(pair) || sees_no_overlap()) {
-        out.contacts.extend(overlap_contacts(pair, posed, &near.meeting, &mut counters));
+    if solid && (near.left_to_regions || sees_no_overlap()) {
+        // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
+        // cross.
+        let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, &mut counters);
+        out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
+        if !near.left_to_regions {
+            out.regions = regions;
+        }
     }
     out.separation = if solid && out.surface != Meeting::None {
         Interval { lo: f64::NEG_INFINITY, hi: 0.0 }

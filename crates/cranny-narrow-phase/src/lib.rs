@@ -90,8 +90,6 @@ mod motion;
 mod near;
 mod numbering;
 mod observe;
-mod outline;
-mod overlap;
 mod pair;
 mod penetration;
 mod per_model;
@@ -114,6 +112,7 @@ pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
 pub use approach::Approach;
+pub use contacts::overlaps_by_regions;
 pub use evaluate::{QueryError, penetrations, query};
 pub use fields::Fields;
 pub use memory::PairMemory;

@@ -32,14 +32,16 @@ pub enum Demand {
     },
     /// The verdict of `Intersects`, and contacts for a solver: for each pair of patches that come
     /// within the margin the nearest points, with the normal of their own place, or as many as span
-    /// a patch that is large. Where closed solids overlap, the contacts of their regions, of which
-    /// the deepest is as deep as the region; where an open surface pierces a solid, the ways out of
-    /// its vertices inside. No distance is measured, and no region is reported.
+    /// a patch that is large. Where solids overlap, the ways out of the vertices inside and the
+    /// depths of edges that cross, and where walls have dug into each other, far deeper than these
+    /// say, contacts along their region's normal; where a body has fewer than 64 faces, the contacts
+    /// of regions. No distance is measured, and regions are reported only where
+    /// solids overlap in a way that no vertex or edge can say.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,
         /// Whose normals the contacts have. Which contacts there are, their points and separations
-        /// do not depend on it.
+        /// do not depend on it, nor do regions.
         normals: Normals,
     },
     /// Everything: the distance as well.

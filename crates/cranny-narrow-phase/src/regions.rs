@@ -5,15 +5,21 @@ use std::collections::HashMap;
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
-use crate::answer::{Contact, Counters, Curve, Region, RegionId};
+use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
+use crate::contacts::nearer;
+use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
-use crate::overlap::{Overlap, settle};
 use crate::pair::{Pair, PosedVertices, Side};
+use crate::penetration::{Outline, on_curve};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
-use crate::special_position::in_general_position;
+use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::touch::touch_regions;
+use cranny_geometry::triangle_distance::Prepared;
+
+/// Vertices of a curved region that are measured at most; more are sampled evenly.
+const MAX_SAMPLES: usize = 256;
 
 /// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
 /// their depths may be off.
@@ -43,42 +49,9 @@ pub(crate) fn meeting_regions(
         return (outer_touch(pair, pairs), rounding);
     }
     if !here.generic {
-        for Found { points, depth, .. } in &mut found {
-            settle(pair, points);
-            *depth = depth.map(|_| -points[0].separation);
-        }
+        found.iter_mut().for_each(|found| found.settle(pair));
     }
     (found.into_iter().map(|found| found.finish(pair)).collect(), error)
-}
-
-/// The contacts of [`meeting_regions`] of two solids that overlap, alone: in world coordinates and
-/// the caller's order.
-pub(crate) fn overlap_contacts(
-    pair: &Pair,
-    posed: &mut PosedVertices,
-    pairs: &[FacePair],
-    counters: &mut Counters,
-) -> Vec<Contact> {
-    if pairs.is_empty() {
-        return Vec::new();
-    }
-    let here = intersect(pair, pairs);
-    if !is_closed(pair) {
-        let regions = open_regions(pair, &here, pairs).into_iter();
-        return regions.flat_map(|region| region.points).collect();
-    }
-    let of_regions = |pair: &Pair, intersection: &Intersection| {
-        let overlap = |c: &RegionPieces| Overlap::of(pair, intersection, c).contacts;
-        cut(pair, intersection).iter().map(overlap).collect()
-    };
-    let depth = |contacts: &Vec<Contact>| -contacts[0].separation;
-    let (mut found, _) = in_general_position(pair, posed, &here, counters, of_regions, depth);
-    if found.is_empty() {
-        found = touch_regions(pair, pairs).into_iter().map(|t| reduce(t.contacts)).collect();
-    } else if !here.generic {
-        found.iter_mut().for_each(|contacts| settle(pair, contacts));
-    }
-    found.into_iter().flatten().map(|contact| pair.world_contact(contact)).collect()
 }
 
 pub(crate) fn is_closed(pair: &Pair) -> bool {
@@ -114,6 +87,15 @@ struct Found {
 }
 
 impl Found {
+    /// Measures at the pair's own position what was read beside it.
+    fn settle(&mut self, pair: &Pair) {
+        let Self { points, .. } = self;
+        points.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
+        let deepest = (0..points.len()).min_by(|&i, &j| nearer(&points[i], &points[j]));
+        points.swap(0, deepest.unwrap_or(0));
+        self.depth = self.depth.map(|_| -self.points[0].separation);
+    }
+
     /// Into world coordinates and the caller's order.
     fn finish(self, pair: &Pair) -> Region {
         let Self { normal, depth, area, points, curves, faces } = self;
@@ -159,16 +141,103 @@ fn closed_region(
     chains: &mut Chains,
     cut: &RegionPieces,
 ) -> Found {
-    let Overlap { outline, normal, contacts } = Overlap::of(pair, intersection, cut);
+    let region = MeasuredRegion::of(pair, intersection, cut);
+    let outline = Outline::of(intersection, &cut.segments);
+    let normal = outline.direction(pair, &region);
+    let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
+        let measured = depths_along(&region, normal);
+        (measured.deepest, measured.all)
+    } else {
+        (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
+    };
+    let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
+    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
+    // is longer, the one past an edge was left out.
+    contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
+    // Of corners that are equally deep but for rounding, the one that is reported is the deepest.
+    let key = |c: &Contact| (c.separation, c.id);
+    for &contact in &contacts {
+        if key(&contact) < key(&deepest) {
+            deepest = contact;
+        }
+    }
+    let mut points = reduce(contacts);
+    points.retain(|c| c.id != deepest.id);
+    points.insert(0, deepest);
     let faces = cut.segments.iter().map(|&s| intersection.segments[s].faces).collect();
     Found {
         normal,
-        depth: Some(-contacts[0].separation),
+        depth: Some(-deepest.separation),
         area: Some(outline.area_along(normal)),
-        points: contacts,
+        points,
         curves: curves(pair, intersection, chains, &cut.segments),
         faces,
     }
+}
+
+/// For each vertex inside the other body the nearest point of the other's piece: the way out.
+fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for side in Side::BOTH {
+        let vertices = &region.cut.pieces[side.index()].vertices;
+        let other = side.other().index();
+        let faces = &region.cut.pieces[other].faces;
+        let triangles = &region.triangles[other];
+        let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
+        let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
+        // Neighbours have their ways out through neighbours: the last one bounds the next.
+        let mut last = 0;
+        for &v in vertices.iter().step_by(stride) {
+            let p = pair.position(side, v);
+            let mut nearest: Option<(FaceId, DVec3)> = None;
+            let (mut least, mut found) = (f64::INFINITY, last);
+            let mut reach = f64::INFINITY;
+            for i in std::iter::once(last).chain(0..faces.len()) {
+                let Some((center, radius, triangle)) = standing.get(i) else { break };
+                let touching = reach + radius;
+                if (*center - p).length_squared() > touching * touching {
+                    continue;
+                }
+                let Some(foot) = triangle.foot(p) else { continue };
+                let squared = (foot - p).length_squared();
+                let nearer = squared < least
+                    || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
+                if nearer {
+                    (nearest, least, found) = (Some((faces[i], foot)), squared, i);
+                    reach = squared.sqrt() + pair.length_error();
+                }
+            }
+            last = found;
+            let Some((face, q)) = nearest else { continue };
+            let outward = pair.normal(side.other(), face);
+            let depth = (q - p).length();
+            let (own, its) = (Feature::Vertex(v), Feature::Face(face));
+            contacts.push(match side {
+                Side::First => Contact {
+                    id: (own, its),
+                    point_a: p,
+                    point_b: q,
+                    normal: -outward,
+                    separation: -depth,
+                },
+                Side::Second => Contact {
+                    id: (its, own),
+                    point_a: q,
+                    point_b: p,
+                    normal: outward,
+                    separation: -depth,
+                },
+            });
+        }
+    }
+    contacts
+}
+
+/// A triangle with the ball around it.
+fn prepared(corners: &[DVec3; 3]) -> (DVec3, f64, Prepared) {
+    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let squared = corners.map(|p| (p - center).length_squared());
+    (center, squared[0].max(squared[1]).max(squared[2]).sqrt(), Prepared::of(corners))
 }
 
 /// Where a surface is open: connected curves, without depth or area.

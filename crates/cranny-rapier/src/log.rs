@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, Fields, Query, drift};
+use cranny_narrow_phase::{Answer, Demand, Fields, Query, drift, overlaps_by_regions};
 
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
@@ -25,17 +25,17 @@ pub struct LoggedAnswer {
 
 impl LoggedAnswer {
     /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left;
-    /// `None` where the answer does not bound it: it holds no contacts for a solver, or a body lay
-    /// within the other's material.
+    /// `None` where the answer does not bound it: it holds no contacts for a solver, overlaps are
+    /// measured by regions, whose direction may change, or a body lay within the other's material.
     ///
     /// A listed contact has come nearer by the [drift](drift()) at most. One that was not listed
-    /// was farther than the contact that stood for its patches, but for as much again. A region
-    /// that is measured along another direction meanwhile may be deeper along that; the next search
-    /// reads it.
+    /// was farther than the contact that stood for its patches, but for as much again.
     pub(crate) fn depth_at_most(&self, models: [&Model; 2], pose: &Pose) -> Option<f64> {
         let Demand::Contacts { margin, .. } = self.question.demand else { return None };
         let [before, now] = [&self.first_from_second, pose].map(Pose::world_from_body);
-        if self.answer.solid && self.answer.depth() == 0.0 {
+        let depth = self.answer.depth();
+        let by_regions = !self.answer.regions.is_empty() || overlaps_by_regions(models);
+        if by_regions || self.answer.solid && depth == 0.0 {
             return None;
         }
         let nearest = self.answer.contacts.iter().map(|c| c.separation).fold(margin, f64::min);

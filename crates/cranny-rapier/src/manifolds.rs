@@ -2,7 +2,7 @@
 //!
 //! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
 //! normals agree share a manifold, and every other contact gets one of its own: no normal is ever
-//! averaged. Impulses of the last step are carried over by ids (across a gap those of the
+//! averaged. Impulses of the last step are carried over by ids (for two meshes those of their
 //! patches, which stay while the nearest features change) and place, or else by place alone.
 
 use std::collections::HashMap;
@@ -151,7 +151,7 @@ pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
     }
 }
 
-/// A patch, for contacts between patches, as a face, of which there are at least as many.
+/// A patch, for contacts between patches. Told as a face, of which there are at least as many.
 pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
     PackedFeatureId::face(patch.0)
 }

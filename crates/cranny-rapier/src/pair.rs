@@ -12,8 +12,8 @@ use std::sync::{Mutex, PoisonError};
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
-    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
-    smooth_normal,
+    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, overlaps_by_regions,
+    reduce_level_contacts, smooth_normal,
 };
 use cranny_primitives::{contacts, deep::way_out, rounded};
 use rapier3d::math::{Pose, Real};
@@ -351,10 +351,10 @@ fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
     }
 }
 
-/// By what a contact is known from step to step: across a gap by its patches, of which it is the
-/// nearest point while features change; in an overlap, where patches have many, by its features.
+/// By what a contact is known from step to step: its patches; of small bodies, whose patches have
+/// many contacts each, its features.
 fn ids_of(contact: &Contact, models: [&Model; 2]) -> (PackedFeatureId, PackedFeatureId) {
-    if contact.separation < 0.0 {
+    if overlaps_by_regions(models) {
         return features_of(contact);
     }
     let (a, b) = contact.patches(models[0], models[1]);

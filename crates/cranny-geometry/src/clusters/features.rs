@@ -45,6 +45,8 @@ pub struct Owned {
     pub sides: u8,
     /// Those of the sides that may cross an edge: neither lines drawn on a plane nor bent inwards.
     pub ridges: u8,
+    /// All sides that may, whatever face they count to.
+    pub bent: u8,
 }
 
 /// Which features count to each face.
@@ -59,7 +61,9 @@ pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
             let along = topology.half_edges(topology.edge_of(HalfEdgeId::of(face, i)));
             let is_owned = along.iter().all(|h| key(h.face()) >= own);
             owned.sides |= u8::from(is_owned) << i;
-            owned.ridges |= u8::from(is_owned && may_be_ridge(mesh, along)) << i;
+            let is_bent = may_be_ridge(mesh, along);
+            owned.ridges |= u8::from(is_owned && is_bent) << i;
+            owned.bent |= u8::from(is_bent) << i;
         }
         owned
     };

@@ -6,9 +6,9 @@
 //! and the same ones in the next step. So a pair of patches (`cranny_geometry::Patches`, pieces of
 //! nearly one normal) yields the contact of least separation. A patch too large to be a place
 //! yields as many as span it (`coarse`). Features make contacts only along directions that they
-//! face in the full mesh (`facing`), and their normals are exact there (`feature_pair`). Where
-//! closed solids overlap, their regions say how deep (`regions`); where an open surface pierces a
-//! solid, its vertices inside do (`pierced`, of the vertices `within`).
+//! face in the full mesh (`facing`), and their normals are exact there (`feature_pair`). Where the
+//! solids overlap, depths take the place of gaps (`overlap`, of the vertices `within`), and where
+//! these do not say how deep, `walls` have the contacts of their region.
 //!
 //! The search hands over candidates, pairs of features with a lower bound of their distance; they
 //! are listed by pairs of patches, and evaluated by ascending bounds until no other can win
@@ -25,7 +25,8 @@ mod every_pair;
 pub(crate) mod facing;
 mod feature_pair;
 mod list;
-mod pierced;
+mod overlap;
+mod walls;
 mod wanted;
 mod within;
 #[cfg(test)]
@@ -37,13 +38,30 @@ use cranny_geometry::{Model, PatchId};
 use self::coarse::Coarse;
 use self::feature_pair::patch_index;
 pub(crate) use self::list::ContactMemory;
-use self::pierced::PiercedSolid;
+use self::overlap::Overlaps;
+use self::walls::contacts_of_walls;
 pub(crate) use self::wanted::Wanted;
 use crate::answer::{Contact, Counters, Feature, Surface};
 use crate::coherent::Coherent;
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
+
+/// Where a body has fewer faces, contacts of an overlap are those of its regions. More: curves are
+/// followed for what vertices and edges say as well; fewer: sides that overlap lose the contacts
+/// where an edge of one passes over an edge of the other, since vertices inside alone are seen
+/// then. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
+/// (`a_hook_holds_at_an_edge`).
+const SMALL: usize = 64;
+
+/// Whether [`Demand::Contacts`](crate::Demand) makes the contacts of an overlap of two models from
+/// its regions: where one of them has fewer than 64 faces, and both are closed. (Regions of open
+/// surfaces have no depth.)
+#[must_use]
+pub fn overlaps_by_regions(models: [&Model; 2]) -> bool {
+    models.iter().all(|model| model.is_closed())
+        && models.iter().any(|model| model.mesh().faces().len() < SMALL)
+}
 
 /// Order of contacts: the nearest first, ties by lowest features.
 pub(crate) fn nearer(x: &Contact, y: &Contact) -> std::cmp::Ordering {
@@ -57,13 +75,14 @@ pub(crate) struct Near {
     pub(crate) meeting: Vec<FacePair>,
     /// In the pair's frame; nearest first.
     pub(crate) contacts: Vec<Contact>,
+    /// Whether contacts of the overlap are left to regions ([`overlaps_by_regions`]).
+    pub(crate) left_to_regions: bool,
 }
 
-/// Finds every pair of faces that meet, and the contacts across gaps of all pairs of patches that
-/// are wanted; where an open surface pierces a solid, those of its vertices inside as well.
+/// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
 ///
-/// Cost: near-linear in the features that lie within the margin, and in the vertices of an open
-/// surface inside.
+/// Cost: near-linear in the features that lie within the margin; where
+/// solids overlap, a search of one nearest point for each vertex inside.
 pub(crate) fn near_patches(
     pair: &Pair,
     wanted: &Wanted,
@@ -72,25 +91,49 @@ pub(crate) fn near_patches(
 ) -> Near {
     let coarse = Coarse::of(pair);
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
+    let left_to_regions = surface == Meeting::Cross && overlaps_by_regions(pair.models());
     let mut contacts = Vec::new();
-    let crossing = if surface == Meeting::Cross { &meeting[..] } else { &[] };
-    let mut inside = PiercedSolid::of(pair, coarse, crossing, counters);
-    memory.each_group(pair, wanted, counters, |group| {
-        let mut of_group = inside.take(group.patches());
-        if coarse.holds(pair, group.patches()) {
-            group.all(&mut of_group);
-            contacts.extend(if of_group.len() > 1 { reduce(of_group) } else { of_group });
-        } else if of_group.is_empty() {
-            contacts.extend(group.nearest());
-        } else {
-            contacts.extend(of_group);
+    if surface == Meeting::Cross {
+        let mut deep = match left_to_regions {
+            true => Overlaps::none(pair, coarse),
+            false => Overlaps::of(pair, coarse, &meeting, counters),
+        };
+        memory.each_group(pair, wanted, counters, |group| {
+            let mut of_group = deep.take(group.patches());
+            if coarse.holds(pair, group.patches()) {
+                group.all(&mut of_group);
+                contacts.extend(reduce(of_group));
+            } else if of_group.is_empty() {
+                contacts.extend(group.nearest());
+            } else {
+                contacts.extend(of_group);
+            }
+        });
+        for (patches, group) in deep.rest() {
+            if coarse.holds(pair, patches) {
+                contacts.extend(reduce(group));
+            } else {
+                contacts.extend(group);
+            }
         }
-    });
-    for (patches, group) in inside.rest() {
-        contacts.extend(if coarse.holds(pair, patches) { reduce(group) } else { group });
+        if !left_to_regions {
+            let overlapping: Vec<Contact> =
+                contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
+            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
+        }
+    } else {
+        memory.each_group(pair, wanted, counters, |group| {
+            if coarse.holds(pair, group.patches()) {
+                let mut all = Vec::new();
+                group.all(&mut all);
+                contacts.extend(if all.len() > 1 { reduce(all) } else { all });
+            } else {
+                contacts.extend(group.nearest());
+            }
+        });
     }
     contacts.sort_by(nearer);
-    Near { surface, meeting, contacts }
+    Near { surface, meeting, contacts, left_to_regions }
 }
 
 /// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order.

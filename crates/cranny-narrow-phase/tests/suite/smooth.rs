@@ -138,7 +138,7 @@ fn a_flat_face_is_right_about_its_normal() {
         for contact in &found.contacts {
             vertices_of_floor += u32::from(!matches!(contact.id.0, Feature::Face(_)));
             let off = radians_between(contact.normal, DVec3::Z);
-            assert!(off < 1e-12, "{contact:?}");
+            assert!(off < 1e-15, "{contact:?}");
         }
         assert!(!found.contacts.is_empty());
     }
