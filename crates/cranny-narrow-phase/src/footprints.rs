@@ -24,7 +24,7 @@ const LISTINGS: usize = 12;
 const SLACK: f64 = 1e-6;
 
 /// Least and most along each axis of the plane.
-type Seen = [[f64; 2]; 2];
+type Extent2 = [[f64; 2]; 2];
 
 /// Least and most along each axis, of eight boxes.
 type BoxLanes = [[f32x8; 2]; 2];
@@ -43,7 +43,7 @@ impl Footprints {
     /// Cost: linear in the things, for each time that a grid proves too fine.
     pub(crate) fn of<'o>(normal: DVec3, outlines: impl Iterator<Item = &'o [DVec3]>) -> Self {
         let axes: [DVec3; 2] = normal.any_orthonormal_pair().into();
-        let boxes: Vec<Seen> = outlines.map(|outline| seen(&axes, outline)).collect();
+        let boxes: Vec<Extent2> = outlines.map(|outline| seen(&axes, outline)).collect();
         let mut plane = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for seen in &boxes {
             for (all, [least, most]) in plane.iter_mut().zip(seen) {
@@ -53,7 +53,7 @@ impl Footprints {
         let extent = plane.map(|[least, most]| (most - least).max(0.0));
         let slack = SLACK * (extent[0] + extent[1]);
         let low = plane.map(|[least, _]| least);
-        let block = |boxes: &[Seen]| {
+        let block = |boxes: &[Extent2]| {
             [0, 1].map(|axis| {
                 // No box meets the lanes that are left over.
                 let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
@@ -114,7 +114,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(boxes: &[Seen], low: [f64; 2], extent: [f64; 2], slack: f64) -> Self {
+    fn of(boxes: &[Extent2], low: [f64; 2], extent: [f64; 2], slack: f64) -> Self {
         let cells = (boxes.len() as f64).sqrt().ceil() as usize;
         let (starts, listed) = (Vec::new(), Vec::new());
         let mut grid = Self { low, slack, scale: [0.0; 2], cells, starts, listed };
@@ -135,7 +135,7 @@ impl Grid {
     }
 
     /// First and last column, first and last row of a box in the plane.
-    fn span(&self, seen: &Seen) -> [[usize; 2]; 2] {
+    fn span(&self, seen: &Extent2) -> [[usize; 2]; 2] {
         [0, 1].map(|i| {
             let [least, most] = seen[i];
             // A cast saturates: what lies before the first cell counts as in it.
@@ -168,7 +168,7 @@ impl Grid {
     }
 
     /// The lists, each ascending, of the cells that a box meets.
-    fn beside(&self, around: &Seen) -> impl Iterator<Item = &[u32]> {
+    fn beside(&self, around: &Extent2) -> impl Iterator<Item = &[u32]> {
         let [[left, right], [bottom, top]] = self.span(around);
         let cells = (bottom..=top)
             .flat_map(move |row| (left..=right).map(move |column| row * self.cells + column));
@@ -177,7 +177,7 @@ impl Grid {
 }
 
 /// The box of an outline in the plane.
-fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> Seen {
+fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> Extent2 {
     axes.map(|axis| {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for p in outline {
@@ -192,7 +192,7 @@ fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> Seen {
 mod tests {
     use super::*;
 
-    /// Seen from above.
+    /// Extent2 from above.
     fn of<const N: usize>(outlines: &[[DVec3; N]]) -> Footprints {
         Footprints::of(DVec3::Z, outlines.iter().map(|o| o.as_slice()))
     }

@@ -34,9 +34,9 @@ pub enum Demand {
     /// within the margin the nearest points, with the normal of their own place, or as many as span
     /// a patch that is large. Where solids overlap, the ways out of the vertices inside and the
     /// depths of edges that cross, and where walls have dug into each other, far deeper than these
-    /// say, contacts along their region's normal; where a body has fewer than 64 faces, the contacts
-    /// of regions. No distance is measured, and regions are reported only where
-    /// solids overlap in a way that no vertex or edge can say.
+    /// say, contacts along their region's normal; where a body has fewer than 64 faces, the
+    /// contacts of regions. No distance is measured, and regions are reported only where solids
+    /// overlap in a way that no vertex or edge can say.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,

@@ -30,13 +30,13 @@ const SHARP: f64 = 0.866;
 /// normals of their own place are joined by some of a mean normal; larger: walls dig in so much.
 const FAR_DEEPER: f64 = 3.0;
 
-/// What is less deep than this part of the smaller body's radius has not dug in. Smaller: flanks of
-/// a nut of few facets get contacts with mean normals, which brake it (10.3 turns in place of 10.9);
-/// larger: walls dig in so much.
+/// What is less deep than this part of the smaller body's radius has not dug in. Smaller: flanks
+/// of a nut of few facets get contacts with mean normals, which brake it (10.3 turns in place of
+/// 10.9); larger: walls dig in so much.
 const DUG: f64 = 0.01;
 
-/// Cosine of how nearly opposite to each other two faces are that face each other, and of how nearly
-/// along the region's direction: those there are what has dug in.
+/// Cosine of how nearly opposite to each other two faces are that face each other, and of how
+/// nearly along the region's direction: those there are what has dug in.
 const OPPOSITE: f64 = 0.9;
 
 /// By what part of the depth sides that graze each other overlap at most.
@@ -123,8 +123,8 @@ fn is_of(contact: &Contact, pieces: &RegionPieces) -> bool {
     holds(Side::First, contact.id.0) || holds(Side::Second, contact.id.1)
 }
 
-/// Whether faces of the two pieces face each other, not along a direction, and lie behind each other
-/// by less than a part of a depth: by a hair.
+/// Whether faces of the two pieces face each other, not along a direction, and lie behind each
+/// other by less than a part of a depth: by a hair.
 fn sides_graze(pair: &Pair, pieces: &RegionPieces, normal: DVec3, depth: f64) -> bool {
     let [first, second] = Side::BOTH.map(|side| {
         let faces = pieces.pieces[side.index()].faces.iter();

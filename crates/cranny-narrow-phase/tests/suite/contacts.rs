@@ -329,8 +329,8 @@ fn u_piece() -> Model {
     model(Mesh::new(vertices.collect(), faces.collect()).unwrap())
 }
 
-/// An arm of a U stands across an edge of a C, and no vertex inside says how deep. In a pile the two
-/// went through each other.
+/// An arm of a U stands across an edge of a C, and no vertex inside says how deep. In a pile the
+/// two went through each other.
 #[test]
 fn an_arm_that_digs_into_another_is_as_deep_as_it_has_dug() {
     let u = u_piece();
