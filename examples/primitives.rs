@@ -1,5 +1,5 @@
-//! Marbles and capsules that roll about in a bowl, a mesh, and come to rest in it; one marble rolls
-//! away on the ground, a half-space. They are what they are: nothing is tessellated. z is up.
+//! Marbles and capsules that roll about in a bowl, a mesh, and stay in it; one marble rolls away on
+//! the ground, a half-space. They are what they are: nothing is tessellated. z is up.
 //!
 //! `cargo run --example primitives --features ecs,rapier`
 

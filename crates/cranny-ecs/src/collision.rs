@@ -148,7 +148,7 @@ impl Velocities<'_, '_> {
 }
 
 /// Contacts of the last step, by entities: those of pairs with [`Contacts`](crate::Contacts), as
-/// far as their margin reaches, and those that the solver found of pairs with
+/// far as their margin reaches, and those that the solver found of pairs of meshes with
 /// [`Response`](crate::Response).
 ///
 /// ```

@@ -22,8 +22,8 @@
 //!
 //! # Non-promises
 //!
-//! A body is a root entity; its colliders are meshes. Dynamic bodies without `Response` stand
-//! still.
+//! A body is a root entity; its colliders are meshes, or one primitive. Dynamic bodies without
+//! `Response` stand still.
 //!
 //! # Features
 //!

@@ -20,8 +20,9 @@ use cranny_primitives::BodyShape;
 use crate::admission::Noted;
 use crate::body::{Bodies, Body, pose_of};
 use crate::collider::Collider;
+use crate::effect_components::Trigger;
 use crate::error::{Failure, SceneAppError};
-use crate::properties::RigidBody;
+use crate::properties::{RigidBody, Sensor};
 
 /// Beside a [`Collider`] that is a part of another entity's body: which one. A step inserts it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,10 +154,22 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
             world.entity_mut(part).insert(ColliderOf { body });
         }
     }
-    let refused = |why: String| {
-        let name = world.get::<Name>(body).map(|name| name.as_str().to_owned());
-        SceneAppError::Parts { body: name.unwrap_or_else(|| body.to_string()), why }
-    };
+    let name = world.get::<Name>(body).map(|name| name.as_str().to_owned());
+    let name = name.unwrap_or_else(|| body.to_string());
+    let refused = |why: String| SceneAppError::Parts { body: name.clone(), why };
+    for part in below.iter().filter_map(|path| path.last().copied()) {
+        let rule = [
+            world.get::<Sensor>(part).map(|_| "Sensor"),
+            world.get::<Trigger>(part).map(|_| "Trigger"),
+        ];
+        if let Some(rule) = rule.into_iter().flatten().next() {
+            return Err(refused(format!(
+                "one of them has a {rule} of its own, but all are one body. Put {rule} beside the \
+                 RigidBody, or make that collider a body of its own, a fixed one or one held by a \
+                 fixed joint"
+            )));
+        }
+    }
     if let [(BodyShape::Primitive(primitive), place)] = &parts[..] {
         let moved = primitive.moved(&pose_of(place).world_from_body());
         world.resource_mut::<MergedModels>().leave(body);
@@ -167,10 +180,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
     let known = world.resource::<MergedModels>().get(&key);
     let model = match known {
         Some(model) => model,
-        None => put_together(&parts).map_err(|why| {
-            let name = world.get::<Name>(body).map(|name| name.as_str().to_owned());
-            SceneAppError::Parts { body: name.unwrap_or_else(|| body.to_string()), why }
-        })?,
+        None => put_together(&parts).map_err(refused)?,
     };
     world.resource_mut::<MergedModels>().join(body, key, model.clone());
     Ok(Some(model.into()))

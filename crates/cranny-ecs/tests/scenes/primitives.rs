@@ -172,6 +172,16 @@ fn a_child_that_is_a_primitive_stands_where_the_child_does_and_none_is_one_of_se
 }
 
 #[test]
+fn a_collider_of_a_body_that_has_rules_of_its_own_is_refused() {
+    let mut app = empty(&[Effect::TRIGGER]);
+    let crate_ = (Name::new("crate"), RigidBody::Fixed, unit(), up(0.0));
+    let body = world(&mut app).spawn(crate_).id();
+    world(&mut app).spawn((unit(), up(1.0), ChildOf(body), Sensor));
+    let error = app.step().unwrap_err().to_string();
+    assert!(error.contains("body 'crate'") && error.contains("a Sensor of its own"), "{error}");
+}
+
+#[test]
 fn effects_of_meshes_and_invalid_numbers_are_refused_by_name() {
     let marble = |world: &mut World| world.spawn((Name::new("marble"), Collider::ball(0.5))).id();
     let smooth = failure(&[], |world| {
