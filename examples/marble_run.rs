@@ -174,8 +174,8 @@ fn is_in_cup(marble: &Transform) -> bool {
     at.truncate().length() < inside && (0.0..CUP.height as f32).contains(&at.z)
 }
 
-/// Felt lines the cup, as bodies have no damping. The run is over when all marbles have rested in it
-/// for a quarter of a second, or after a minute.
+/// Felt lines the cup, as bodies have no damping. The run is over when all marbles have rested in
+/// it for a quarter of a second, or after a minute.
 fn come_to_rest(
     time: Res<SimulatedTime>,
     mut marbles: Query<(&Transform, &mut LinearVelocity, &mut AngularVelocity), With<Marble>>,
