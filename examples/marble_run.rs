@@ -195,6 +195,6 @@ fn come_to_rest(
         println!("{:5.2} s: all marbles rest in the cup", time.seconds());
         exit.write(AppExit::Success);
     } else if time.seconds() > 60.0 {
-        exit.write(AppExit::error()); // the assertion below the loop tells
+        exit.write(AppExit::error()); // the assertion below the loop fails
     }
 }

@@ -18,9 +18,9 @@ const FEW: usize = 384;
 /// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.
 const LISTINGS: usize = 12;
 
-/// By what part of the plane's extent a box is grown: more than single precision rounds a
-/// coordinate, which is at most the extent. Smaller, and what stands over a point could be lost;
-/// larger, and what stands beside it is found too.
+/// By what part of the plane's extent a box is grown: more than coordinates in the plane are off by
+/// rounding. Smaller, and what stands over a point could be lost; larger, and what stands beside it
+/// is found too. (Single precision loses nothing: it rounds a box and a point in it alike.)
 const SLACK: f64 = 1e-6;
 
 /// Least and most along each axis of the plane.
@@ -192,7 +192,7 @@ fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> Extent2 {
 mod tests {
     use super::*;
 
-    /// Extent2 from above.
+    /// Seen from above.
     fn of<const N: usize>(outlines: &[[DVec3; N]]) -> Footprints {
         Footprints::of(DVec3::Z, outlines.iter().map(|o| o.as_slice()))
     }

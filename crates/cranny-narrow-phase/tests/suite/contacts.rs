@@ -344,7 +344,7 @@ fn an_arm_that_digs_into_another_is_as_deep_as_it_has_dug() {
     let regions = ask(a, b, Demand::Regions { margin: 0.0 });
     assert!(found.depth() > 0.1, "{:?}", found.contacts);
     assert_eq!(found.depth(), regions.depth());
-    assert_eq!(found.swapped().contacts.len(), contacts(b, a, 0.0).contacts.len());
+    assert_eq!(found.swapped().contacts, contacts(b, a, 0.0).contacts);
 }
 
 /// What overlaps the two sides of a notch by a hair has dug in nowhere, however high they are.
