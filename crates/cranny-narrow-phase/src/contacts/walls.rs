@@ -67,12 +67,15 @@ pub(super) fn contacts_of_walls(
         if !has_sharp_node(pair, &intersection, pieces) {
             continue;
         }
-        let region = MeasuredRegion::of(pair, &intersection, pieces);
         let of_region = known.iter().filter(|contact| is_of(contact, pieces));
         let depth = of_region.map(|contact| -contact.separation).fold(0.0, f64::max);
+        let shallow = least.max(FAR_DEEPER * depth);
+        if width(pair, &intersection, pieces, normal) <= shallow {
+            continue;
+        }
+        let region = MeasuredRegion::of(pair, &intersection, pieces);
         let deepest = deepest_along(&region, normal, f64::INFINITY);
-        let is_deep = |c: &Contact| -c.separation > least.max(FAR_DEEPER * depth);
-        let Some(deepest) = deepest.filter(is_deep) else { continue };
+        let Some(deepest) = deepest.filter(|c| -c.separation > shallow) else { continue };
         if !sides_graze(pair, pieces, normal, -deepest.separation) {
             let mut all = depths_along(&region, normal).all;
             all.retain(|contact| contact.id != deepest.id);
@@ -108,6 +111,25 @@ fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
     let mut faces = pair.topology(side).half_edges(edge).iter().map(|h| h.face());
     let (Some(f), Some(g)) = (faces.next(), faces.next()) else { return false };
     pair.normal(side, f).dot(pair.normal(side, g)) < SHARP
+}
+
+/// How wide a region is along a direction: no depth along it is larger.
+fn width(
+    pair: &Pair,
+    intersection: &Intersection,
+    pieces: &RegionPieces,
+    normal: DVec3,
+) -> f64 {
+    let on_curves = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
+    let on_curves = on_curves.map(|node| intersection.nodes[node].point);
+    let inside = Side::BOTH.into_iter().flat_map(|side| {
+        let vertices = pieces.pieces[side.index()].vertices.iter();
+        vertices.map(move |&v| pair.position(side, v))
+    });
+    let heights = on_curves.chain(inside).map(|p| p.dot(normal));
+    let (low, high) = heights
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    high - low
 }
 
 /// Whether a contact is of a vertex or an edge of the pieces.
