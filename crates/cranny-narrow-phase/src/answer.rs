@@ -6,6 +6,8 @@ use cranny_exact::{Arithmetic, DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::triangle_distance::Part;
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
 
+use crate::penetration::Penetration;
+
 /// How the two triangle surfaces meet: exact.
 ///
 /// [`Meeting::Cross`]: some triangle pair shares a point interior to both; [`Meeting::Touch`]: they
@@ -43,6 +45,9 @@ pub struct Answer {
     pub contacts: Vec<Contact>,
     /// Connected regions of contact, overlapping ones first.
     pub regions: Vec<Region>,
+    /// How deep two closed solids overlap, a region each, where a contact is as deep as
+    /// [`Query::penetrations_from`](crate::Query::penetrations_from) says; else empty.
+    pub penetrations: Vec<Penetration>,
     /// Triangle pairs that meet.
     pub triangle_pairs: u32,
     /// What it cost.
@@ -327,6 +332,7 @@ impl Answer {
             witnesses: None,
             contacts: Vec::new(),
             regions: Vec::new(),
+            penetrations: Vec::new(),
             triangle_pairs: 0,
             counters: Counters::default(),
         }

@@ -7,7 +7,6 @@ use cranny_geometry::CreaseAngleError;
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
-use crate::approach::Approach;
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
@@ -37,7 +36,7 @@ pub enum QueryError {
     /// A negative or infinite margin or bound.
     #[error("{what} is {value}: it must be a finite number, 0 or more")]
     Length {
-        /// "margin", "within" or "below".
+        /// "margin", "within", "below" or "penetrations_from".
         what: &'static str,
         /// The value found.
         value: f64,
@@ -68,8 +67,7 @@ pub fn query(
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
-    query.demand.check()?;
-    query.approach.as_ref().map_or(Ok(()), Approach::check)?;
+    query.check()?;
     let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
         memory;
     let pair = &Pair::of_accepted(a, b);
@@ -78,6 +76,7 @@ pub fn query(
         Demand::Contacts { margin, normals } => {
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
+            let wanted = wanted.with_penetrations_from(query.penetrations_from);
             let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
             // What regions say where no vertex does leads out of a whole overlap, and is no
             // surface's.
@@ -93,36 +92,6 @@ pub fn query(
     if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
         tracks.follow([a, b], &mut found.regions);
     }
-    Ok(found)
-}
-
-/// How deep two solids overlap, a region each, in an order that A and B exchanged do not change;
-/// without the curves, contacts and areas of [`Demand::Regions`]. Empty where they do not overlap,
-/// where one lies wholly inside the other, and where a surface is open.
-///
-/// # Errors
-///
-/// [`QueryError::Pose`] where a pose is none.
-pub fn penetrations(
-    a: Placed,
-    b: Placed,
-    memory: &mut PairMemory,
-) -> Result<Vec<Penetration>, QueryError> {
-    let [a, b] = accepted(a, b)?;
-    let PairMemory { posed, coherent, .. } = memory;
-    let pair = &Pair::of_accepted(a, b);
-    if !is_closed(pair) {
-        return Ok(Vec::new());
-    }
-    let mut counters = Counters::default();
-    coherent.begin(pair);
-    let pairs = coherent.meetings(pair, &mut counters);
-    let solid = coherent.solidity(pair, strongest(&pairs), &pairs, &mut counters).solid;
-    let found = match solid && !pairs.is_empty() {
-        true => overlaps(pair, posed, &pairs, &mut counters),
-        false => Vec::new(),
-    };
-    coherent.end(pair);
     Ok(found)
 }
 
@@ -251,6 +220,7 @@ fn contacts(
         coherent.solidity(pair, out.surface, &near.meeting, &mut counters);
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
+    let mut measured = None;
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
     if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
@@ -259,9 +229,16 @@ fn contacts(
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
-        if !near.left_to_regions {
-            out.regions = regions;
-        }
+        measured = Some(regions);
+    }
+    if solid && is_closed(pair) && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
+        out.penetrations = match &measured {
+            Some(regions) => regions.iter().filter_map(Penetration::of).collect(),
+            None => overlaps(pair, posed, &near.meeting, &mut counters),
+        };
+    }
+    if !near.left_to_regions {
+        out.regions = measured.unwrap_or_default();
     }
     out.separation = if solid && out.surface != Meeting::None {
         Interval { lo: f64::NEG_INFINITY, hi: 0.0 }

@@ -113,7 +113,7 @@ pub use answer::{
 };
 pub use approach::Approach;
 pub use contacts::overlaps_by_regions;
-pub use evaluate::{QueryError, penetrations, query};
+pub use evaluate::{QueryError, query};
 pub use fields::Fields;
 pub use memory::PairMemory;
 pub use motion::drift;

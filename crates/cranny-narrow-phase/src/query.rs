@@ -94,10 +94,7 @@ impl Demand {
             Self::Contacts { margin, .. } | Self::Regions { margin } => ("margin", margin),
             _ => return Ok(()),
         };
-        match value >= 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(QueryError::Length { what, value }),
-        }
+        check_length(what, value)
     }
 
     /// Contacts with the normals of the meshes.
@@ -185,9 +182,23 @@ pub struct Query {
     /// How bodies may move: of [`Demand::Contacts`], those beyond the margin as well that this
     /// closes. No other demand reads it.
     pub approach: Option<Approach>,
+    /// Of [`Demand::Contacts`]: how deep a contact is from which on the
+    /// [penetrations](crate::Answer::penetrations) are measured as well. No other demand reads it.
+    pub penetrations_from: Option<f64>,
 }
 
 impl Query {
+    /// Whether it can be answered.
+    ///
+    /// # Errors
+    ///
+    /// As [`query`](crate::query()), but for poses.
+    pub(crate) fn check(&self) -> Result<(), QueryError> {
+        self.demand.check()?;
+        self.approach.as_ref().map_or(Ok(()), Approach::check)?;
+        self.penetrations_from.map_or(Ok(()), |depth| check_length("penetrations_from", depth))
+    }
+
     /// A query for this much.
     #[must_use]
     pub fn of(demand: Demand) -> Self {
@@ -200,10 +211,23 @@ impl Query {
         Self { approach: Some(approach), ..self }
     }
 
+    /// The same, and how deep regions are along their normals where a contact is so deep (>= 0).
+    #[must_use]
+    pub fn penetrations_from(self, depth: f64) -> Self {
+        Self { penetrations_from: Some(depth), ..self }
+    }
+
     /// The same, by a method.
     #[must_use]
     pub fn by(self, method: Method) -> Self {
         Self { method, ..self }
+    }
+}
+
+fn check_length(what: &'static str, value: f64) -> Result<(), QueryError> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(QueryError::Length { what, value }),
     }
 }
 

@@ -37,6 +37,7 @@ impl Mismatch {
             witnesses,
             contacts,
             regions,
+            penetrations,
             triangle_pairs,
             counters: Counters { .. },
         } = &self.warm;
@@ -50,6 +51,7 @@ impl Mismatch {
             ("witnesses", *witnesses != cold.witnesses),
             ("contacts", *contacts != cold.contacts),
             ("regions", *regions != cold.regions),
+            ("penetrations", *penetrations != cold.penetrations),
             ("triangle_pairs", *triangle_pairs != cold.triangle_pairs),
         ];
         differs.into_iter().filter(|(_, differs)| *differs).map(|(name, _)| name).collect()

@@ -18,11 +18,10 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{
     Answer, Contact, Containment, Demand, Feature, PairMemory, Penetration, QueryError,
-    penetrations,
 };
 
 use crate::percussion::percussion_centers;
-use crate::rounded::{placed, query_pair};
+use crate::rounded::query_pair;
 
 /// What overlaps by more than this share of the thinner body's thickness has one way out. Larger:
 /// a plate whose middle was passed is pulled through; smaller: curved contacts lose the normals of
@@ -48,9 +47,17 @@ pub fn thickness(model: &Model) -> f64 {
     volume.filter(|v| *v > 0.0).map_or(f64::INFINITY, |v| 2.0 * v / area)
 }
 
+/// How deep a contact is from which on two bodies are led out of each other; `thickness` is the
+/// lesser of theirs.
+#[must_use]
+pub fn deep(thickness: f64) -> f64 {
+    DEEP * thickness
+}
+
 /// Contacts by which a solver leads two bodies out of each other, in place of an answer's own;
 /// `None` where those do. All is in the first body's frame: `answer` is one of at least
-/// [`Demand::Contacts`] about the first model at the origin and the second one at the pose.
+/// [`Demand::Contacts`] about the first model at the origin and the second one at the pose, with
+/// [penetrations from](cranny_narrow_phase::Query::penetrations_from) [`deep`] on.
 /// `thickness` is the lesser of the bodies' [`thickness`].
 ///
 /// # Errors
@@ -71,16 +78,11 @@ pub fn way_out(
     if let Some(contained) = answer.contained {
         return out_of_a_solid(models, pose, contained, most, memory);
     }
-    let deep = DEEP * thickness;
+    let deep = deep(thickness);
     if answer.contacts.iter().all(|c| -c.separation < deep) {
         return Ok(None);
     }
-    let [first, second] = placed(models, pose);
-    let overlaps = match answer.regions.is_empty() {
-        true => penetrations(first, second, memory)?,
-        false => answer.regions.iter().filter_map(Penetration::of).collect(),
-    };
-    let deepest = || overlaps.iter().filter(|overlap| overlap.depth() >= deep);
+    let deepest = || answer.penetrations.iter().filter(|overlap| overlap.depth() >= deep);
     // Of ways that contradict each other, the shortest.
     let Some(shortest) = deepest().min_by(|x, y| x.depth().total_cmp(&y.depth())) else {
         return Ok(None);

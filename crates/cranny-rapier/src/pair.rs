@@ -15,7 +15,11 @@ use cranny_narrow_phase::{
     Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, overlaps_by_regions,
     reduce_level_contacts, smooth_normal,
 };
-use cranny_primitives::{contacts, deep::way_out, rounded};
+use cranny_primitives::{
+    contacts,
+    deep::{deep, way_out},
+    rounded,
+};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -214,7 +218,7 @@ impl PairWorkspace {
         let thickness = cores[0].thickness.min(cores[1].thickness);
         let models = cores.each_ref().map(Core::model);
         let question = match self.leads_out {
-            true => solver_question(&cores, reach),
+            true => led_from(deep(thickness), solver_question(&cores, reach)),
             false => Query::of(Demand::contacts(between_cores(&cores, reach.within))),
         };
         let Some(answer) = ask(models, *pose, &question, self.memory()) else {
@@ -338,6 +342,11 @@ fn solver_contact(
 /// A length between rounded bodies as one between their cores.
 fn between_cores(cores: &[Core; 2], length: f64) -> f64 {
     length + cores[0].rounded.radius + cores[1].rounded.radius
+}
+
+/// The same question, and how deep regions are from a depth on, if anything can be so deep.
+fn led_from(depth: f64, question: Query) -> Query {
+    if depth.is_finite() { question.penetrations_from(depth) } else { question }
 }
 
 /// What the solver needs of a pair of polyhedra.

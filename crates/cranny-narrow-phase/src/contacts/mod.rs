@@ -119,7 +119,10 @@ pub(crate) fn near_patches(
         if !left_to_regions {
             let overlapping: Vec<Contact> =
                 contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
-            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
+            // Where penetrations are wanted, they say how deep regions are.
+            if !overlapping.iter().any(|contact| wanted.is_deep(contact)) {
+                contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
+            }
         }
     } else {
         memory.each_group(pair, wanted, counters, |group| {

@@ -114,12 +114,7 @@ fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
 }
 
 /// How wide a region is along a direction: no depth along it is larger.
-fn width(
-    pair: &Pair,
-    intersection: &Intersection,
-    pieces: &RegionPieces,
-    normal: DVec3,
-) -> f64 {
+fn width(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces, normal: DVec3) -> f64 {
     let on_curves = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
     let on_curves = on_curves.map(|node| intersection.nodes[node].point);
     let inside = Side::BOTH.into_iter().flat_map(|side| {

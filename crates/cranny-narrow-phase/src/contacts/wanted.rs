@@ -10,18 +10,31 @@ pub(crate) struct Wanted {
     margin: f64,
     /// Of the pair's first body, in the pair's frame; it looks farther than the margin.
     approach: Option<Approach>,
+    /// How deep a contact is from which on regions are measured along their normals.
+    deep: f64,
 }
 
 impl Wanted {
     /// All within a margin.
     pub(crate) fn within(margin: f64) -> Self {
-        Self { margin, approach: None }
+        Self { margin, approach: None, deep: f64::INFINITY }
     }
 
     /// Those within a margin and, of an approach of the caller's A that looks farther, those beyond
     /// that it closes.
     pub(crate) fn of(pair: &Pair, margin: f64, approach: Option<&Approach>) -> Self {
-        Self { margin, approach: approach.map(|approach| pair.own_approach(approach)) }
+        let approach = approach.map(|approach| pair.own_approach(approach));
+        Self { approach, ..Self::within(margin) }
+    }
+
+    /// The same, and penetrations where a contact is so deep.
+    pub(crate) fn with_penetrations_from(self, depth: Option<f64>) -> Self {
+        Self { deep: depth.unwrap_or(f64::INFINITY), ..self }
+    }
+
+    /// Whether a contact is so deep that penetrations are wanted.
+    pub(crate) fn is_deep(&self, contact: &Contact) -> bool {
+        -contact.separation >= self.deep
     }
 
     /// None is farther.

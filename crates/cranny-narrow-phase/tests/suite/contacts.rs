@@ -6,8 +6,7 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
 use cranny_narrow_phase::{
-    Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force,
-    penetrations, query,
+    Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force, query,
 };
 use cranny_shapes::{CPrism, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
 use cranny_testkit::{Rng, from_surface, world_triangles};
@@ -635,7 +634,8 @@ fn a_sliver_beside_is_no_deep_overlap() {
         let place = DVec3::new(0.1 - into, 0.3 * rng.unit(), 0.03 * rng.unit() - 0.16);
         let a = Placed { model: &tall, pose: Pose::IDENTITY };
         let b = Placed { model: &low, pose: Pose { rotation: tilt * yaw, translation: place } };
-        let overlaps = penetrations(a, b, &mut PairMemory::default()).unwrap();
+        let question = Query::of(Demand::contacts(0.0)).penetrations_from(0.0);
+        let overlaps = query(a, b, &question, &mut PairMemory::default()).unwrap().penetrations;
         let truth = overlaps.iter().map(|overlap| overlap.depth()).fold(0.0, f64::max);
         let found = contacts(a, b, 0.0);
         assert!(

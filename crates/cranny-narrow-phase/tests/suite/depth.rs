@@ -2,7 +2,7 @@
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Contact, Demand, PairMemory, Penetration, Placed, Region, penetrations};
+use cranny_narrow_phase::{Contact, Demand, PairMemory, Penetration, Placed, Query, Region, query};
 use cranny_shapes::{Cuboid, Cup, Sphere, Tetrahedron, Torus};
 use cranny_testkit::{Rng, world_triangles};
 
@@ -143,12 +143,18 @@ fn bodies_that_overlap_a_little_part_when_moved_by_the_depth_and_not_before() {
     assert!(tried >= 90, "{tried}");
 }
 
+/// How deep regions are along their normals, by a query that makes no regions.
+fn penetrations(a: Placed, b: Placed) -> Vec<Penetration> {
+    let question = Query::of(Demand::contacts(0.0)).penetrations_from(0.0);
+    query(a, b, &question, &mut PairMemory::default()).unwrap().penetrations
+}
+
 /// Overlaps alone, and those of regions: as many, along the same normals, as deep.
 fn assert_overlaps_are_those_of_regions(a: Placed, b: Placed, what: &str) -> usize {
     let regions = ask(a, b, Demand::Regions { margin: 0.0 }).regions;
     let mut of_regions: Vec<_> = regions.iter().filter_map(Penetration::of).collect();
     of_regions.retain(|overlap| overlap.depth() > 0.0);
-    let mut alone = penetrations(a, b, &mut PairMemory::default()).unwrap();
+    let mut alone = penetrations(a, b);
     alone.retain(|overlap| overlap.depth() > 0.0);
     assert_eq!(alone.len(), of_regions.len(), "{what}");
     let error = 1e-12 * (a.model.radius() + b.model.radius());
@@ -158,7 +164,7 @@ fn assert_overlaps_are_those_of_regions(a: Placed, b: Placed, what: &str) -> usi
         };
         assert!(alone.iter().any(same), "{what}: {known:?} of {alone:?}");
     }
-    let swapped = penetrations(b, a, &mut PairMemory::default()).unwrap();
+    let swapped = penetrations(b, a);
     let swapped = swapped.iter().filter(|overlap| overlap.depth() > 0.0);
     for (one, other) in alone.iter().zip(swapped) {
         let exchanged = Penetration { normal: -other.normal, deepest: other.deepest.swapped() };
@@ -205,7 +211,7 @@ fn what_has_no_depth_has_no_overlaps() {
         (place(&small, 0.625), "beside"),
         (place(&small, 3.0), "far away"),
     ] {
-        let found = penetrations(place(&cube, 0.0), b, &mut PairMemory::default()).unwrap();
+        let found = penetrations(place(&cube, 0.0), b);
         assert!(found.is_empty(), "{what}: {found:?}");
     }
 }

@@ -3,7 +3,7 @@
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
-use cranny_primitives::deep::{thickness, way_out};
+use cranny_primitives::deep::{deep, thickness, way_out};
 use cranny_primitives::{Rounded, Separation, rounded_contacts, rounded_separation};
 
 use crate::cuboid;
@@ -54,7 +54,8 @@ fn a_deep_overlap_has_one_way_out() {
         let a = Placed { model: &block, pose: Pose::IDENTITY };
         let b = Placed { model: &plate, pose };
         let demand = Demand::Contacts { margin: 0.01, normals: Default::default() };
-        let answer = query(a, b, &Query::of(demand), &mut memory).expect("poses");
+        let answer = query(a, b, &Query::of(demand).penetrations_from(deep(thin)), &mut memory)
+            .expect("poses");
         let found = way_out([&block, &plate], thin, &pose, &answer, &mut memory).expect("a pose");
         assert_eq!(found.is_some(), leads, "{depth} deep");
         let led = found.unwrap_or_default();
@@ -79,7 +80,9 @@ fn what_is_shallow_beside_a_deep_overlap_keeps_its_contacts() {
     let pose = Pose::at(DVec3::Z * (1.05 - 0.07));
     let (a, b) = (Placed { model: &block, pose: Pose::IDENTITY }, Placed { model: &plates, pose });
     let mut memory = PairMemory::default();
-    let answer = query(a, b, &Query::of(Demand::contacts(0.0)), &mut memory).expect("poses");
+    let answer =
+        query(a, b, &Query::of(Demand::contacts(0.0)).penetrations_from(deep(thin)), &mut memory)
+            .expect("poses");
     let led = way_out([&block, &plates], thin, &pose, &answer, &mut memory).expect("a pose");
     let (shallow, deep): (Vec<_>, Vec<_>) =
         led.expect("one is deep").into_iter().partition(|c| c.separation > -0.011);
