@@ -47,6 +47,11 @@ pub struct PluginOptions {
     /// than the thinner one is thick; `None`: 2. Our detector only.
     #[cfg(feature = "rapier")]
     pub most_parts: Option<usize>,
+    /// Whether what effects report is detected beside the solver with our detector too, as it is
+    /// with rapier's own: all detectors are judged alike then, and none searches between pairs for
+    /// who reads. Depths and verdicts are the same.
+    #[cfg(feature = "rapier")]
+    pub detects_beside: bool,
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per area of
     /// a scene's thinnest moving body, 1 without a scene.
     pub length_unit: Option<f64>,

@@ -124,9 +124,9 @@ impl Plugin for ResponsePlugin {
         let read_now = reading.clone();
         simulation
             .read_by(move |a, b| read_now.lock().unwrap_or_else(PoisonError::into_inner).of(a, b));
-        let detection = self.options.detector;
+        let exact = self.options.detector == Detection::Cranny && !self.options.detects_beside;
         app.insert_resource(Gravity(self.gravity));
-        app.insert_resource(RigidBodies::new(simulation, reading, detection));
+        app.insert_resource(RigidBodies::new(simulation, reading, exact));
         solved::observe(app);
         app.configure_sets(
             CrannyStep,
@@ -156,7 +156,6 @@ impl Plugin for ResponsePlugin {
             ),
         );
         (self.add_step)(app);
-        let exact = detection == Detection::Cranny;
         app.world_mut().resource_mut::<Tally>().depths_known |= exact;
         let presses = app.world().resource::<EffectTable>().names(EffectKind::Trigger);
         let supplies = exact && self.detection_present;
@@ -203,7 +202,8 @@ impl Stepping<'_> {
             return; // what failed may have left numbers that are none
         }
         let (bodies, times) = (&mut *self.bodies, &mut *self.times);
-        if let Some(readers) = self.readers.as_ref().filter(|readers| readers.is_changed()) {
+        let changed = self.readers.as_ref().filter(|readers| readers.is_changed());
+        if let Some(readers) = changed.filter(|_| bodies.is_exact()) {
             bodies.reading().fields = readers.fields();
         }
         bodies.begin();

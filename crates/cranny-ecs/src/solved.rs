@@ -18,7 +18,7 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
 use cranny_rapier::{
-    BodyIndex, Detector as Detection, Energy, JointIndex, MassSource, PairContacts, Simulation,
+    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation,
     SimulationError,
 };
 use cranny_world::description::{BodyKind, Effect, Normals};
@@ -60,7 +60,7 @@ pub struct RigidBodies {
     reading: Arc<Mutex<Reading>>,
     /// Whether `reading` knows all bodies and effects.
     reading_is_current: bool,
-    detection: Detection,
+    is_exact: bool,
     /// `None` before the first step.
     energy: Option<EnergyRange>,
     /// At the end of the last step.
@@ -188,10 +188,10 @@ impl RigidBodies {
         self.index(body).map(|index| self.simulation.center_of_mass(index))
     }
 
-    /// Whether the solver's own detector gives exact answers.
+    /// Whether the solver's own detector gives exact answers, to whoever reads them.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.detection == Detection::Cranny
+        self.is_exact
     }
 
     /// Energies since the first step.
@@ -206,7 +206,7 @@ impl RigidBodies {
     pub(crate) fn new(
         simulation: Simulation,
         reading: Arc<Mutex<Reading>>,
-        detection: Detection,
+        is_exact: bool,
     ) -> Self {
         Self {
             simulation,
@@ -216,7 +216,7 @@ impl RigidBodies {
             answered_at: BTreeMap::new(),
             reading,
             reading_is_current: false,
-            detection,
+            is_exact,
             energy: None,
             energy_left: Energy::default(),
             asked: None,
