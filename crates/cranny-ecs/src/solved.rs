@@ -18,8 +18,7 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
 use cranny_rapier::{
-    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation,
-    SimulationError,
+    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation, SimulationError,
 };
 use cranny_world::description::{BodyKind, Effect, Normals};
 use cranny_world::{BodyId, Layers};

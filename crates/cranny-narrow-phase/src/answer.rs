@@ -363,6 +363,7 @@ impl Answer {
             *contact = contact.swapped();
         }
         self.regions = self.regions.into_iter().map(Region::swapped).collect();
+        self.penetrations = self.penetrations.into_iter().map(Penetration::swapped).collect();
         self
     }
 
@@ -374,6 +375,9 @@ impl Answer {
         }
         for contact in &mut self.contacts {
             *contact = contact.moved(map);
+        }
+        for penetration in &mut self.penetrations {
+            *penetration = penetration.moved(map);
         }
         for region in &mut self.regions {
             region.deepest = region.deepest.moved(map);

@@ -1,6 +1,6 @@
 //! The direction along which a region of overlap parts, and how deep it is along it.
 
-use cranny_exact::DVec3;
+use cranny_exact::{DVec3, RigidMap};
 
 use crate::answer::{Contact, Counters, Region};
 use crate::depth::{MeasuredRegion, deepest_along};
@@ -42,6 +42,18 @@ impl Penetration {
     #[must_use]
     pub fn of(region: &Region) -> Option<Self> {
         region.depth.map(|_| Self { normal: region.normal, deepest: region.deepest })
+    }
+
+    /// The same with the bodies' names exchanged.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        Self { normal: -self.normal, deepest: self.deepest.swapped() }
+    }
+
+    /// The same in another frame.
+    #[must_use]
+    pub fn moved(self, map: &RigidMap) -> Self {
+        Self { normal: map.apply_vector(self.normal), deepest: self.deepest.moved(map) }
     }
 
     /// The least translation along the normal that parts the region, >= 0.

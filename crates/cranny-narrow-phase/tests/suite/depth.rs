@@ -167,8 +167,7 @@ fn assert_overlaps_are_those_of_regions(a: Placed, b: Placed, what: &str) -> usi
     let swapped = penetrations(b, a);
     let swapped = swapped.iter().filter(|overlap| overlap.depth() > 0.0);
     for (one, other) in alone.iter().zip(swapped) {
-        let exchanged = Penetration { normal: -other.normal, deepest: other.deepest.swapped() };
-        assert_eq!(*one, exchanged, "{what}: exchanged");
+        assert_eq!(*one, other.swapped(), "{what}: exchanged");
     }
     alone.len()
 }
@@ -213,5 +212,37 @@ fn what_has_no_depth_has_no_overlaps() {
     ] {
         let found = penetrations(place(&cube, 0.0), b);
         assert!(found.is_empty(), "{what}: {found:?}");
+    }
+}
+
+/// Only where a contact is so deep, only with contacts, and of no depth that is none.
+#[test]
+fn penetrations_are_measured_from_a_depth_on() {
+    let (cube, ball) =
+        (shape(Cuboid { size: [1.0; 3] }), shape(Sphere { radius: 0.5, segments: 24, rings: 12 }));
+    for (model, what) in [(&cube, "of few faces"), (&ball, "of many")] {
+        let a = Placed { model: &cube, pose: Pose::IDENTITY };
+        let b = Placed { model, pose: Pose::at(DVec3::new(0.01, 0.02, 0.9)) };
+        let ask = |demand, from| {
+            query(a, b, &Query::of(demand).penetrations_from(from), &mut PairMemory::default())
+        };
+        let contacts = Demand::contacts(0.01);
+        let found = |from| ask(contacts, from).unwrap().penetrations;
+        assert_eq!(found(0.05).len(), 1, "{what}");
+        assert!((found(0.05)[0].depth() - 0.1).abs() < 0.01, "{what}: {:?}", found(0.05));
+        assert!(found(0.2).is_empty(), "{what}: nothing is so deep");
+        let question = Query::of(contacts).penetrations_from(0.05);
+        let exchanged = query(b, a, &question, &mut PairMemory::default()).unwrap().swapped();
+        assert_eq!(exchanged.penetrations, found(0.05), "{what}: exchanged");
+        let map = Pose::at(DVec3::new(3.0, 0.0, 0.0)).world_from_body();
+        let moved = ask(contacts, 0.05).unwrap().moved(&map).penetrations;
+        let by = moved[0].deepest.point_a - found(0.05)[0].deepest.point_a;
+        assert!((by - DVec3::X * 3.0).length() < 1e-12, "{what}: moved by {by}");
+        let of_regions = ask(Demand::Regions { margin: 0.0 }, 0.05).unwrap();
+        assert!(of_regions.penetrations.is_empty() && !of_regions.regions.is_empty(), "{what}");
+        for from in [-1.0, f64::NAN, f64::INFINITY] {
+            let why = ask(contacts, from).unwrap_err().to_string();
+            assert!(why.starts_with("penetrations_from is"), "{why}");
+        }
     }
 }
