@@ -32,7 +32,7 @@ use crate::motion::MotionLog;
 use crate::pair::{BodyPair, relate_pairs};
 use crate::parts::{
     ColliderOf, MergedModels, has_parts, merge, note_moved_parts, note_orphan, note_parent,
-    owner_of, parts_of,
+    observe_rules, owner_of, parts_of,
 };
 use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
 use crate::tally::Tally;
@@ -77,6 +77,7 @@ impl Plugin for AdmissionPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Noted>().init_resource::<Bodies>().init_resource::<MergedModels>();
         app.add_observer(take_leave).add_observer(note_parent).add_observer(note_orphan);
+        observe_rules(app);
         note_present(app.world_mut());
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             let is_noted = |noted: Res<Noted>| noted.pairs || !noted.entities.is_empty();

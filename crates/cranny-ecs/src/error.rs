@@ -1,5 +1,6 @@
 //! What can go wrong with a scene that runs.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use bevy_ecs::prelude::Resource;
@@ -8,8 +9,9 @@ use cranny_primitives::PrimitiveError;
 use cranny_world::WorldError;
 use thiserror::Error;
 
-/// A scene that cannot be built or cannot go on.
-#[derive(Debug, Error)]
+/// A scene that cannot be built or cannot go on. Its `Debug` is its `Display`, so that a `main` that
+/// fails with it ends in a sentence.
+#[derive(Error)]
 #[non_exhaustive]
 pub enum SceneAppError {
     /// A body's mesh cannot be prepared.
@@ -281,8 +283,16 @@ pub enum SceneAppError {
     },
 }
 
+impl fmt::Debug for SceneAppError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
 /// The first error of a step. Systems cannot return errors to whoever runs them, so they leave them
-/// here; [`SceneApp`](crate::SceneApp) hands them out, and other runners should look.
+/// here; [`SceneApp`](crate::SceneApp) hands them out,
+/// [`FixedUpdatePlugin`](crate::FixedUpdatePlugin) gives them to bevy's error handler, and other
+/// runners should look.
 #[derive(Resource, Debug, Default)]
 pub struct Failure(Option<SceneAppError>);
 

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
+use bevy_app::{App, First, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
@@ -468,6 +468,9 @@ impl Plugin for ScenePlugin {
 /// Runs [`CrannyStep`] in `FixedPostUpdate`, for apps with bevy's own main schedule and time: the
 /// fixed time step becomes the scene's. Add it after [`CrannyPlugins`] and `TimePlugin`.
 ///
+/// A [`Failure`] stops the steps. One that nobody has taken until the next update goes to bevy's
+/// error handler, which panics with it unless the app has set another.
+///
 /// Note that bevy's first update runs no fixed step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FixedUpdatePlugin;
@@ -479,8 +482,14 @@ impl Plugin for FixedUpdatePlugin {
         if let Some(step) = step.filter(|step| !step.is_zero()) {
             app.insert_resource(Time::<Fixed>::from_duration(step));
         }
-        app.add_systems(FixedPostUpdate, run_step);
+        app.add_systems(First, hand_over).add_systems(FixedPostUpdate, run_step);
     }
+}
+
+/// Fails with what failed in the update before.
+fn hand_over(failure: Option<ResMut<Failure>>) -> Result<(), BevyError> {
+    let failed = failure.and_then(|mut failure| failure.is_set().then(|| failure.take()).flatten());
+    failed.map_or(Ok(()), |error| Err(error.into()))
 }
 
 fn run_step(world: &mut World) {

@@ -57,6 +57,12 @@ pub struct CollisionStart {
 }
 
 impl CollisionStart {
+    /// The one of the two that an entity is not; `None` where it is neither.
+    #[must_use]
+    pub fn other_than(&self, entity: Entity) -> Option<Entity> {
+        other_than([self.body, self.other], entity)
+    }
+
     /// Seen from the other body.
     #[must_use]
     pub fn flipped(self) -> Self {
@@ -79,11 +85,25 @@ pub struct CollisionEnd {
 }
 
 impl CollisionEnd {
+    /// The one of the two that an entity is not; `None` where it is neither.
+    #[must_use]
+    pub fn other_than(&self, entity: Entity) -> Option<Entity> {
+        other_than([self.body, self.other], entity)
+    }
+
     /// Seen from the other body.
     #[must_use]
     pub fn flipped(self) -> Self {
         let [a, b] = self.ids;
         Self { body: self.other, other: self.body, ids: [b, a] }
+    }
+}
+
+fn other_than([body, other]: [Entity; 2], entity: Entity) -> Option<Entity> {
+    match entity {
+        _ if entity == body => Some(other),
+        _ if entity == other => Some(body),
+        _ => None,
     }
 }
 
