@@ -9,8 +9,8 @@ use cranny_primitives::PrimitiveError;
 use cranny_world::WorldError;
 use thiserror::Error;
 
-/// A scene that cannot be built or cannot go on. Its `Debug` is its `Display`, so that a `main` that
-/// fails with it ends in a sentence.
+/// A scene that cannot be built or cannot go on. Its `Debug` is its `Display`, so that a `main`
+/// that fails with it ends in a sentence.
 #[derive(Error)]
 #[non_exhaustive]
 pub enum SceneAppError {
