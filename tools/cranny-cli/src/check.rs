@@ -32,7 +32,7 @@ struct CheckSummary<'a> {
 ///
 /// A scene that cannot be read or is wrong; standard output that cannot be written.
 pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, None)?;
+    let scene = load(&args.scene, &args.set.load_options(None))?;
     let what = &scene.description;
     check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()

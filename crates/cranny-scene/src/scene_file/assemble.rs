@@ -10,19 +10,16 @@ use std::sync::Arc;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
-    BodyDescription, BodyKind, CameraDescription, CameraView, Effect, JointDescription, JointKind,
-    Keyframe, KeyframedPath, Material, Normals, PairDescription, Resistance, SceneDescription,
-    StatedMass, TrackerDescription,
+    BodyDescription, BodyKind, CameraDescription, CameraView, Effect, Keyframe, KeyframedPath,
+    Material, Normals, PairDescription, SceneDescription, StatedMass, TrackerDescription,
 };
 
 use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
 use super::geometry::CollisionGeometry;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    AccuracyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PresetFile,
-    SceneFile, effects,
+    AccuracyFile, CameraFile, GroupFile, PairFile, PileFile, PresetFile, SceneFile, effects,
 };
-use super::values::Finite;
 use super::{LoadOptions, locate, mass, pile, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
@@ -375,7 +372,7 @@ impl Assembly<'_> {
         self.source.error(place, SceneProblem::DuplicateName { kind, name: name.to_owned() })
     }
 
-    fn index_of(&self, field: &str, name: &str) -> Result<usize, SceneError> {
+    pub(super) fn index_of(&self, field: &str, name: &str) -> Result<usize, SceneError> {
         let bodies = &self.description.bodies;
         bodies.iter().position(|body| body.name == name).ok_or_else(|| {
             /// Enough to see a typing error.
@@ -390,57 +387,6 @@ impl Assembly<'_> {
             let problem = SceneProblem::UnknownBody { name: name.to_owned(), known };
             self.source.error(self.source.find(field, name), problem)
         })
-    }
-
-    fn joint(&mut self, joint: &JointFile) -> Result<(), SceneError> {
-        let parent = self.index_of("parent", &joint.parent)?;
-        let child = self.index_of("child", &joint.child)?;
-        let refuse = |problem: &str| {
-            let what = format!("joint {:?}: {problem}", joint.name);
-            self.source
-                .error(self.source.find("name", &joint.name), SceneProblem::Contradiction(what))
-        };
-        if parent == child {
-            return Err(refuse("it joins a body to itself"));
-        }
-        let ordered = |limits: Option<[Finite; 2]>| {
-            let limits = limits.map(|[low, high]| [low.0, high.0]);
-            match limits {
-                Some([low, high]) if low > high => {
-                    Err(refuse("its lower limit is above its upper one"))
-                }
-                _ => Ok(limits),
-            }
-        };
-        let kind = match joint.kind {
-            JointKindFile::Fixed {} => JointKind::Fixed,
-            JointKindFile::Revolute { axis, limits } => {
-                JointKind::Revolute { axis: axis.0, limits: ordered(limits)? }
-            }
-            JointKindFile::Prismatic { axis, limits } => {
-                JointKind::Prismatic { axis: axis.0, limits: ordered(limits)? }
-            }
-        };
-        let whose = format!("joint {:?}", joint.name);
-        let [parent_anchor, child_anchor] =
-            [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
-        if !joint.collide {
-            self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
-        }
-        self.description.joints.push(JointDescription {
-            name: joint.name.clone(),
-            parent,
-            child,
-            parent_anchor,
-            child_anchor,
-            kind,
-            mimic: None,
-            motor: place_robot::motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
-            resistance: Resistance::default(),
-            reduced: false,
-            start: 0.0,
-        });
-        Ok(())
     }
 
     fn pair(&mut self, pair: &PairFile) -> Result<(), SceneError> {

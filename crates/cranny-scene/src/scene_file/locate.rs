@@ -34,13 +34,14 @@ pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<R
     matches.nth(nth)
 }
 
-struct Token {
-    range: Range<usize>,
+/// A word, a string or a single character; comments and blanks are none.
+pub(super) struct Token {
+    pub(super) range: Range<usize>,
     /// Content of a string literal.
-    string: Option<String>,
+    pub(super) string: Option<String>,
 }
 
-fn tokens(text: &str) -> Vec<Token> {
+pub(super) fn tokens(text: &str) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {

@@ -20,8 +20,8 @@
 //! relative to the scene file. Loading is deterministic: the same text, files and seed give the
 //! same description to the bit (on one platform: generators use its sine and cosine).
 //!
-//! `syntax` reads the text, `assemble` makes the description of it, `locate` gives an error its
-//! line and column.
+//! `setting` puts values into the text, `syntax` reads it, `assemble` makes the description of it,
+//! `locate` gives an error its line and column.
 
 mod assemble;
 mod body_syntax;
@@ -30,10 +30,12 @@ mod geometry;
 mod locate;
 mod mass;
 mod pile;
+mod place_joint;
 mod place_robot;
 mod primitive;
 mod problem;
 mod sensors;
+mod setting;
 mod syntax;
 mod tracker;
 mod values;
@@ -46,12 +48,15 @@ use cranny_world::description::SceneDescription;
 use crate::byte_order_mark::without_mark;
 
 pub use problem::{Located, SceneError, SceneProblem};
+pub use setting::{Setting, SettingError};
 
 /// What a program may decide in place of the scene file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Replaces the scene's `seed`.
     pub seed: Option<u64>,
+    /// Values in place of those in the text, in order.
+    pub settings: Vec<Setting>,
 }
 
 /// A scene, ready to be built, with what it came from.
@@ -59,7 +64,7 @@ pub struct LoadOptions {
 pub struct LoadedScene {
     /// Bodies, joints, effects.
     pub description: SceneDescription,
-    /// The file's text as read, for recordings and hashes.
+    /// The file's text with the settings in it, for recordings and hashes.
     pub source_text: String,
     /// The path.
     pub path: PathBuf,
@@ -101,8 +106,12 @@ pub fn parse_scene(
     path: &Path,
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
-    let text = without_mark(&text).to_owned();
-    let scene = syntax::parse(&text, path)?;
+    let mut text = without_mark(&text).to_owned();
+    let mut scene = syntax::parse(&text, path)?;
+    for setting in &options.settings {
+        text = setting.applied(&text, path)?;
+        scene = syntax::parse(&text, path).map_err(|error| setting.blamed(error))?;
+    }
     let (description, files, [notes, warnings]) = assemble::assemble(scene, &text, path, options)?;
     Ok(LoadedScene {
         description,

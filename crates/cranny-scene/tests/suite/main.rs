@@ -32,4 +32,5 @@ mod primitives;
 mod robots;
 mod scene_page;
 mod scenes;
+mod settings;
 mod structures;
