@@ -34,6 +34,12 @@ pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<R
     matches.nth(nth)
 }
 
+/// The first place where a string stands in RON text, with its quotes.
+pub(super) fn find_string(text: &str, value: &str) -> Option<Range<usize>> {
+    let mut tokens = tokens(text).into_iter();
+    tokens.find(|token| token.string.as_deref() == Some(value)).map(|token| token.range)
+}
+
 /// A word, a string or a single character; comments and blanks are none.
 pub(super) struct Token {
     pub(super) range: Range<usize>,

@@ -20,13 +20,14 @@
 //! relative to the scene file. Loading is deterministic: the same text, files and seed give the
 //! same description to the bit (on one platform: generators use its sine and cosine).
 //!
-//! `setting` puts values into the text, `syntax` reads it, `assemble` makes the description of it,
+//! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble` makes the description of it,
 //! `locate` gives an error its line and column.
 
 mod assemble;
 mod body_syntax;
 mod effect;
 mod geometry;
+mod include;
 mod locate;
 mod mass;
 mod pile;
@@ -44,8 +45,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_world::description::SceneDescription;
-
-use crate::byte_order_mark::without_mark;
 
 pub use problem::{Located, SceneError, SceneProblem};
 pub use setting::{Setting, SettingError};
@@ -66,9 +65,11 @@ pub struct LoadedScene {
     pub description: SceneDescription,
     /// The file's text with the settings in it, for recordings and hashes.
     pub source_text: String,
+    /// The texts of the scene files that it includes, in the order in which they were read.
+    pub included_texts: Vec<String>,
     /// The path.
     pub path: PathBuf,
-    /// Every further file read: meshes, robots and their meshes; each once, in order.
+    /// Every further file read: scenes, meshes, robots and their meshes; each once, in order.
     pub files: Vec<PathBuf>,
     /// One sentence each, from mesh and robot readers: what was left out or changed.
     pub notes: Vec<String>,
@@ -106,16 +107,12 @@ pub fn parse_scene(
     path: &Path,
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
-    let mut text = without_mark(&text).to_owned();
-    let mut scene = syntax::parse(&text, path)?;
-    for setting in &options.settings {
-        text = setting.applied(&text, path)?;
-        scene = syntax::parse(&text, path).map_err(|error| setting.blamed(error))?;
-    }
-    let (description, files, [notes, warnings]) = assemble::assemble(scene, &text, path, options)?;
+    let sheets = include::sheets(&text, path, options)?;
+    let (description, files, [notes, warnings]) = assemble::assemble(&sheets, options)?;
     Ok(LoadedScene {
         description,
-        source_text: text,
+        source_text: sheets.own.text,
+        included_texts: sheets.included.into_iter().map(|sheet| sheet.text).collect(),
         path: path.to_owned(),
         files,
         notes,

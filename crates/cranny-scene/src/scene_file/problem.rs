@@ -62,6 +62,14 @@ pub enum SceneProblem {
         /// What is wrong.
         what: String,
     },
+    /// A file that a scene includes.
+    #[error("the included scene {}: {why}", path.display())]
+    Include {
+        /// The path.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
     /// Two things of one kind have one name.
     #[error(
         "there are two {kind} called {name:?}. Names are frame ids and must be unique: rename one"

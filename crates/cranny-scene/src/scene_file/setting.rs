@@ -168,6 +168,14 @@ fn replaced(text: &str, range: Range<usize>, with: &str) -> String {
     [&text[..range.start], with, &text[range.end..]].concat()
 }
 
+/// The fields that the text of a scene states.
+pub(super) fn stated_fields(text: &str) -> Vec<String> {
+    let tokens = tokens(text);
+    let parts = Part { text, tokens: value_of_file(text, &tokens) }.parts();
+    let list = parts.map_or_else(Vec::new, |parts| parts.list);
+    list.iter().filter_map(|(key, _)| key.map(str::to_owned)).collect()
+}
+
 /// The value of a file, without the attributes before it.
 fn value_of_file<'a>(text: &str, mut tokens: &'a [Token]) -> &'a [Token] {
     while tokens.first().is_some_and(|token| &text[token.range.clone()] == "#") {

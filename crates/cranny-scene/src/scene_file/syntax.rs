@@ -26,6 +26,9 @@ pub(super) struct SceneFile {
     _version: Version,
     #[serde(default)]
     pub(super) name: Option<String>,
+    /// Scene files, relative to this one.
+    #[serde(default)]
+    pub(super) includes: Vec<String>,
     #[serde(default = "earth")]
     pub(super) gravity: Vector,
     #[serde(default = "default_step")]

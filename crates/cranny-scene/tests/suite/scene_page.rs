@@ -33,6 +33,8 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     let urdf = format!("<robot name='arm'>{links}{joints}</robot>");
     fs::write(folder.path().join("arm.urdf"), urdf).unwrap();
     fs::write(folder.path().join("arm.srdf"), "<robot name='arm'/>").unwrap();
+    let room = "(bodies: [(name: \"floor\", shape: Generator(Cuboid()), kind: Fixed)])";
+    fs::write(folder.path().join("room.ron"), room).unwrap();
     let scene = folder.path().join("s.ron");
     (folder, scene)
 }

@@ -19,5 +19,6 @@ mod replay;
 mod report;
 mod robot;
 mod saved_models;
+mod settings;
 mod stability;
 mod touching;
