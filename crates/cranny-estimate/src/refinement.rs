@@ -38,7 +38,7 @@ const SPENT_SHARE: usize = 3;
 /// How much more an entry that has lost its slack costs than a test of a new cut: it is taken out,
 /// tested, put back, and mostly opened. Less: memory costs more than it saves; more: what could be
 /// kept is searched for anew.
-const DEARER: u64 = 2;
+const DEARER: u64 = 4;
 
 /// Boxes are tested again, rather than opened, where motion has reduced their bound by more than
 /// this share of their size. Less: tests that regain almost nothing; more: cuts finer than needed.

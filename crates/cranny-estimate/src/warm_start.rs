@@ -15,7 +15,7 @@ use crate::trees::{NodePair, PairTrees};
 /// is near no longer, and to test it again costs more than to begin anew (a hundred times more
 /// where bodies overlap, which a new search finds at once). Larger: unrelated poses pay for their
 /// memory; smaller: fast motion begins anew in each frame.
-const JUMP: f64 = 0.125;
+const JUMP: f64 = 0.0625;
 
 /// The bounds of the last estimate. Motion widens them by the most that distances may have changed,
 /// so they stay certain.
@@ -86,6 +86,7 @@ impl WarmStart {
         let [first, second] = pair.models().map(|model| model.bounds().diagonal());
         if step > JUMP * first.min(second) {
             (self.refinement, self.faces) = (Refinement::default(), None);
+            self.hulls.start_anew();
         }
         self.refinement.advance(step);
     }

@@ -262,6 +262,7 @@ milliseconds: on a busy machine trust medians, not means):
   energy         most gained over the start, and gained at the end (negative: lost), in percent of
                  what moved
   left           bodies that left the world: a box about all bodies where they were put, grown by its own diagonal
+  moved          how far the body is from where it was put that moved farthest
   links          rings linked at the start that stayed so
   screw          of the first nut on its bolt: turns, and how far off the helix at most
 With --format json a row is a line, with everything that is known of it.
