@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cranny_ecs::check_outputs;
-use cranny_scene::robot::{disabled_pairs, read_robot};
+use cranny_scene::robot::{read_robot, read_semantics};
 use cranny_scene::{Robot, RobotError};
 use cranny_world::description::JointPositions;
 use cranny_world::{Arranged, Arrangement, Wanted};
@@ -187,7 +187,7 @@ impl<'a> ConfigurationLine<'a> {
 /// Pairs of an SRDF file.
 fn read_srdf(path: &Path) -> Result<Vec<[String; 2]>, Failure> {
     let (name, text) = (path.display(), read_text("SRDF file", path)?);
-    disabled_pairs(&text).map_err(|problem| {
+    read_semantics(&text).map(|semantics| semantics.disabled_pairs).map_err(|problem| {
         Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
     })
 }

@@ -173,6 +173,9 @@ pub(super) struct RobotFile {
     /// An SRDF file, relative to the scene file: the pairs that it disables never meet.
     #[serde(default)]
     pub(super) srdf: Option<String>,
+    /// A named state of the SRDF file: where joints start that `positions` does not name.
+    #[serde(default)]
+    pub(super) state: Option<String>,
     /// Its density is for links whose URDF states no mass.
     #[serde(default)]
     pub(super) material: MaterialFile,

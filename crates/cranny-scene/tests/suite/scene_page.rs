@@ -32,7 +32,7 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     let joints = [joint("elbow", "base", "upper"), joint("wrist", "upper", "hand")].concat();
     let urdf = format!("<robot name='arm'>{links}{joints}</robot>");
     fs::write(folder.path().join("arm.urdf"), urdf).unwrap();
-    fs::write(folder.path().join("arm.srdf"), "<robot name='arm'/>").unwrap();
+    fs::write(folder.path().join("arm.srdf"), "<robot name='arm'><group_state name='bent' group='arm'><joint name='wrist' value='0.1'/></group_state></robot>").unwrap();
     let room = "(bodies: [(name: \"floor\", shape: Generator(Cuboid()), kind: Fixed)])";
     fs::write(folder.path().join("room.ron"), room).unwrap();
     let scene = folder.path().join("s.ron");

@@ -87,7 +87,7 @@ fn bodies_that_overlap_at_the_start_are_named_with_their_depth() {
     let check = |effects: &str, more: &str| {
         let scene = folder.write(
             "s.ron",
-            &format!(
+            format!(
                 r#"(bodies: [
                     (name: "floor", shape: Generator(Cuboid(size: (9, 9, 1))), kind: Fixed),
                     (name: "sunk", shape: Generator(Cuboid()), pose: (at: (0, 0, 0.75))),
