@@ -20,8 +20,8 @@
 //! relative to the scene file. Loading is deterministic: the same text, files and seed give the
 //! same description to the bit (on one platform: generators use its sine and cosine).
 //!
-//! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble` makes the description of it,
-//! `locate` gives an error its line and column.
+//! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble`
+//! makes the description of it, `locate` gives an error its line and column.
 
 mod assemble;
 mod body_syntax;

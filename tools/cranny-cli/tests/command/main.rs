@@ -10,6 +10,7 @@ mod dyadic;
 mod harness;
 mod inspect_and_check;
 mod inspect_concavities;
+mod joints;
 mod primitives;
 mod query;
 mod real_meshes;
