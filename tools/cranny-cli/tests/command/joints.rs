@@ -39,7 +39,7 @@ fn ropes_springs_and_balls_hold_what_hangs_on_them() {
 }
 
 #[test]
-fn a_swing_on_a_ball_joint_keeps_its_energy() {
+fn a_rod_on_a_ball_joint_swings_through_and_gains_no_energy() {
     let folder = Folder::new();
     let scene = folder.write("s.ron", SCENE);
     let tilted = [
@@ -53,7 +53,5 @@ fn a_swing_on_a_ball_joint_keeps_its_energy() {
     let rod = summary["motion"].as_array().unwrap().iter().find(|motion| motion["body"] == "rod");
     let moved = rod.unwrap()["displacement"][0].as_f64().unwrap();
     assert!(moved < -0.5, "it swings through: {moved}");
-    assert!(
-        summary["warnings"].is_null() && summary["deepest"]["depth"].as_f64().unwrap_or(0.0) < 1e-3
-    );
+    assert!(summary["energy_drift"].as_f64().unwrap() < 0.02, "{summary}");
 }
