@@ -30,13 +30,19 @@ enum GeneratedShape {
     Primitive(IgnoredAny),
 }
 
-/// The generated bodies, if the text can be read as a scene of such.
+/// The generated bodies of the scene and of what it includes.
 fn bodies(scene: &LoadedScene) -> Vec<GeneratedBody> {
+    let texts = scene.included_texts.iter().chain([&scene.source_text]);
+    texts.flat_map(|text| bodies_of(text)).collect()
+}
+
+/// Those of a file, if its text can be read as a scene of such.
+fn bodies_of(text: &str) -> Vec<GeneratedBody> {
     let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
     let options = ron::Options::default().with_default_extension(extensions);
     // The text was parsed in full when the scene was loaded. What cannot be read as this excerpt
     // is no scene of generated bodies.
-    options.from_str(&scene.source_text).map_or_else(|_| Vec::new(), |scene: Scene| scene.bodies)
+    options.from_str(text).map_or_else(|_| Vec::new(), |scene: Scene| scene.bodies)
 }
 
 /// Each generated ISO nut with each generated ISO bolt of equal pitch. A nut has its thread about z

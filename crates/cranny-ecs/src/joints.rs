@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use cranny_exact::{DVec3, Pose};
-use cranny_world::description::{JointKind, Motor, Resistance};
+use cranny_world::description::{JointKind, Motor, Resistance, Spring};
 
 /// A joint between two bodies. The solver has it while both ends are bodies that it moves;
 /// despawning the entity, or removing the component, takes it out. Inserting another one replaces
@@ -66,6 +66,24 @@ impl Joint {
     #[must_use]
     pub const fn prismatic(parent: Entity, child: Entity, axis: DVec3) -> Self {
         Self::new(parent, child, JointKind::Prismatic { axis, limits: None })
+    }
+
+    /// Rotation about the origin of the joint's frames is free.
+    #[must_use]
+    pub const fn ball(parent: Entity, child: Entity) -> Self {
+        Self::new(parent, child, JointKind::Ball)
+    }
+
+    /// The origins of the joint's frames get no farther apart than this.
+    #[must_use]
+    pub const fn rope(parent: Entity, child: Entity, length: f64) -> Self {
+        Self::new(parent, child, JointKind::Rope { length })
+    }
+
+    /// A spring between the origins of the joint's frames.
+    #[must_use]
+    pub const fn spring(parent: Entity, child: Entity, spring: Spring) -> Self {
+        Self::new(parent, child, JointKind::Spring(spring))
     }
 
     const fn new(parent: Entity, child: Entity, kind: JointKind) -> Self {

@@ -49,6 +49,11 @@ impl<'p, 'm> Findings<'p, 'm> {
         }
     }
 
+    /// Tests made so far.
+    pub(crate) fn tests(&self) -> u64 {
+        self.counters.node_tests + self.counters.triangle_tests
+    }
+
     /// Whether faces that are near help, even if they are not the nearest.
     pub(crate) fn wants_near_faces(&self) -> bool {
         !matches!(self.demand, Demand::Intersects) || self.knows_no_faces()

@@ -58,6 +58,11 @@ impl HullWalk {
         })
     }
 
+    /// The next walk starts where one without memory does.
+    pub(crate) fn start_anew(&mut self) {
+        self.state = WalkState::default();
+    }
+
     /// Where the next walk starts.
     pub(crate) fn features(&self) -> Option<[HullFeature; 2]> {
         self.state.features()

@@ -35,6 +35,11 @@ const FACES_OF_CLOSED: usize = 8;
 /// cannot use.
 const SPENT_SHARE: usize = 3;
 
+/// How much more an entry that has lost its slack costs than a test of a new cut: it is taken out,
+/// tested, put back, and mostly opened. Less: memory costs more than it saves; more: what could be
+/// kept is searched for anew.
+const DEARER: u64 = 4;
+
 /// Boxes are tested again, rather than opened, where motion has reduced their bound by more than
 /// this share of their size. Less: tests that regain almost nothing; more: cuts finer than needed.
 const WORTH_A_TEST: f64 = 0.25;
@@ -111,24 +116,30 @@ pub(crate) struct Refinement {
     odometer: f64,
     /// Entries that it had when it was first complete; 0 before that.
     built: usize,
+    /// Tests of the estimate that began it, where no budget ended that one: what a new one costs.
+    cost: Option<u64>,
 }
 
 impl Default for Refinement {
     fn default() -> Self {
-        Self { open: BinaryHeap::from([Entry::ROOT]), odometer: 0.0, built: 0 }
+        Self { open: BinaryHeap::from([Entry::ROOT]), odometer: 0.0, built: 0, cost: None }
     }
 }
 
 impl Refinement {
     /// Counts a motion in which no distance decreased by more than `step`.
     pub(crate) fn advance(&mut self, step: f64) {
-        if self.open.len() == 1 && self.open.peek() == Some(&Entry::ROOT) {
+        if self.is_new() {
             return; // There is no bound yet that motion could reduce.
         }
         self.odometer = (self.odometer + step).next_up();
         if self.open.len() > MOST_ENTRIES || !self.odometer.is_finite() {
             *self = Self::default();
         }
+    }
+
+    fn is_new(&self) -> bool {
+        self.open.len() == 1 && self.open.peek() == Some(&Entry::ROOT)
     }
 
     /// A lower bound of the distance of the faces beneath an entry.
@@ -156,9 +167,10 @@ impl Refinement {
         meter: &mut Meter,
         outrun: bool,
     ) -> bool {
-        if self.should_restart(trees, findings.limit(), meter, outrun) {
+        if !findings.is_done() && self.should_restart(trees, findings.limit(), meter, outrun) {
             *self = Self::default();
         }
+        let (is_new, tests_before) = (self.is_new(), findings.tests());
         let mut settled: Vec<Entry> = Vec::new();
         let mut complete = true;
         let mut peeks = FACES_OF_CLOSED;
@@ -217,6 +229,9 @@ impl Refinement {
             }
         }
         self.open.extend(settled);
+        if is_new {
+            self.cost = (!meter.refused).then(|| findings.tests() - tests_before);
+        }
         if complete && self.built == 0 {
             self.built = self.open.len();
         }
@@ -255,6 +270,9 @@ impl Refinement {
         let has_lost =
             |entry: &&Entry| entry.at < self.odometer && self.lower(entry, trees) <= limit;
         let lost = || self.open.iter().filter(has_lost).count();
+        if self.cost.is_some_and(|cost| DEARER * lost() as u64 > cost) {
+            return true;
+        }
         if self.built > 0 && meter.affords(3 * self.built as u64) {
             return self.open.len() > 2 * self.built || lost() > self.built / SPENT_SHARE;
         }

@@ -11,6 +11,12 @@ use crate::hull_gap::HullWalk;
 use crate::refinement::Refinement;
 use crate::trees::{NodePair, PairTrees};
 
+/// A motion longer than this share of the smaller body's diagonal is a jump: what was opened before
+/// is near no longer, and to test it again costs more than to begin anew (a hundred times more
+/// where bodies overlap, which a new search finds at once). Larger: unrelated poses pay for their
+/// memory; smaller: fast motion begins anew in each frame.
+const JUMP: f64 = 0.0625;
+
 /// The bounds of the last estimate. Motion widens them by the most that distances may have changed,
 /// so they stay certain.
 #[derive(Clone, Debug)]
@@ -77,6 +83,11 @@ impl WarmStart {
         self.apart = self.apart.filter(|_| lo > way + 4.0 * pair.culling_error());
         let lo = (lo - step).next_down().max(0.0);
         self.distance = Interval { lo, hi: (hi + step).next_up() };
+        let [first, second] = pair.models().map(|model| model.bounds().diagonal());
+        if step > JUMP * first.min(second) {
+            (self.refinement, self.faces) = (Refinement::default(), None);
+            self.hulls.start_anew();
+        }
         self.refinement.advance(step);
     }
 

@@ -94,34 +94,56 @@ pub enum JointSpec {
         /// Unit normal.
         normal: DVec3,
     },
+    /// Rotation about a point.
+    Ball,
+    /// All, as long as the two frames' origins are no farther apart than this.
+    Rope {
+        /// Greatest distance, > 0.
+        length: f64,
+    },
+    /// All. `stiffness * (distance - length) + damping * (change of distance)` pulls the origins of
+    /// the two frames together.
+    Spring {
+        /// Distance at rest, >= 0.
+        length: f64,
+        /// Force a unit of distance, > 0.
+        stiffness: f64,
+        /// Force a unit of velocity, >= 0.
+        damping: f64,
+    },
 }
 
 impl JointSpec {
     /// The axis that a motor drives, as rapier counts them.
     pub(crate) fn driven_axis(&self) -> Option<JointAxis> {
         match self {
-            Self::Fixed | Self::Planar { .. } => None,
             Self::Revolute { .. } => Some(JointAxis::AngX),
             Self::Prismatic { .. } => Some(JointAxis::LinX),
+            _ => None,
         }
+    }
+
+    /// Whether it holds a distance between points, not one frame in another.
+    pub(crate) fn is_of_distance(&self) -> bool {
+        matches!(self, Self::Rope { .. } | Self::Spring { .. })
     }
 
     /// What drives it, if anything does.
     pub(crate) fn motor(&self) -> Option<Motor> {
         match *self {
-            Self::Fixed | Self::Planar { .. } => None,
             Self::Revolute { motor, .. } | Self::Prismatic { motor, .. } => motor,
+            _ => None,
         }
     }
 
     /// How far the joint displaces its child at a position.
     pub(crate) fn displacement(&self, position: f64) -> Pose {
         match *self {
-            Self::Fixed | Self::Planar { .. } => Pose::IDENTITY,
             Self::Revolute { axis, .. } => {
                 Pose { rotation: DQuat::from_axis_angle(axis, position), translation: DVec3::ZERO }
             }
             Self::Prismatic { axis, .. } => Pose::at(axis * position),
+            _ => Pose::IDENTITY,
         }
     }
 }
@@ -147,6 +169,10 @@ pub(crate) fn generic_joint(
             let locked = JointAxesMask::LIN_X | JointAxesMask::ANG_Y | JointAxesMask::ANG_Z;
             (locked, normal, None)
         }
+        JointSpec::Ball => (JointAxesMask::LOCKED_SPHERICAL_AXES, DVec3::X, None),
+        JointSpec::Rope { .. } | JointSpec::Spring { .. } => {
+            (JointAxesMask::empty(), DVec3::X, None)
+        }
     };
     let turn =
         Pose { rotation: DQuat::from_rotation_arc(DVec3::X, axis), translation: DVec3::ZERO };
@@ -158,7 +184,34 @@ pub(crate) fn generic_joint(
     if let Some((free, limits)) = spec.driven_axis().zip(limits) {
         builder = builder.limits(free, limits.map(|limit| (limit - start) as Real));
     }
-    builder.build()
+    with_distance(builder, spec).build()
+}
+
+/// A rope or a spring acts along the line between the origins: rapier couples the axes for it.
+fn with_distance(builder: GenericJointBuilder, spec: &JointSpec) -> GenericJointBuilder {
+    let coupled = JointAxesMask::LIN_AXES;
+    match *spec {
+        JointSpec::Rope { length } => {
+            builder.coupled_axes(coupled).limits(JointAxis::LinX, [0.0, length as Real])
+        }
+        JointSpec::Spring { length, stiffness, damping } => {
+            let [length, stiffness, damping] = [length, stiffness, damping].map(|n| n as Real);
+            builder
+                .coupled_axes(coupled)
+                .motor_model(JointAxis::LinX, MotorModel::ForceBased)
+                .motor_position(JointAxis::LinX, length, stiffness, damping)
+        }
+        _ => builder,
+    }
+}
+
+/// Energy in a joint that is a spring, at a distance of its origins; 0 of all others.
+pub(crate) fn elastic_energy(joint: &GenericJoint, distance: f64) -> f64 {
+    let is_spring = joint.coupled_axes == JointAxesMask::LIN_AXES
+        && joint.motor_axes.contains(JointAxesMask::LIN_X);
+    let motor = &joint.motors[JointAxis::LinX as usize];
+    let stretch = distance - f64::from(motor.target_pos);
+    if is_spring { 0.5 * f64::from(motor.stiffness) * stretch * stretch } else { 0.0 }
 }
 
 /// Gives a joint of impulses its motor. rapier's spring for it acts on the two bodies alone, as if

@@ -39,7 +39,7 @@ pub use mesh_file::{
 };
 pub use robot::{Robot, RobotError, read_robot};
 pub use scene_file::{
-    LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
+    LoadOptions, LoadedScene, SceneError, Setting, load_scene, load_scene_with, parse_scene,
 };
 
 // The example of the README must compile and run as well.

@@ -415,8 +415,52 @@ pub enum JointKind {
         /// Unit normal.
         normal: DVec3,
     },
+    /// Rotation about a point.
+    Ball,
+    /// All, as long as the anchors are no farther apart than this.
+    Rope {
+        /// Greatest distance of the anchors, > 0.
+        length: f64,
+    },
+    /// All; a force along the line between the anchors.
+    Spring(Spring),
     /// All: its bodies are not joined.
     Floating,
+}
+
+impl JointKind {
+    /// Its name in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Fixed => "Fixed",
+            Self::Revolute { .. } => "Revolute",
+            Self::Prismatic { .. } => "Prismatic",
+            Self::Planar { .. } => "Planar",
+            Self::Ball => "Ball",
+            Self::Rope { .. } => "Rope",
+            Self::Spring(_) => "Spring",
+            Self::Floating => "Floating",
+        }
+    }
+
+    /// Whether one number says where it is: an angle or a distance along an axis.
+    #[must_use]
+    pub fn has_position(&self) -> bool {
+        matches!(self, Self::Revolute { .. } | Self::Prismatic { .. })
+    }
+}
+
+/// What pulls two anchors together that are farther apart than `length`, and pushes them apart
+/// where they are nearer: `stiffness * (distance - length) + damping * (change of distance)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// Distance at rest, >= 0.
+    pub length: f64,
+    /// Force a unit of distance, > 0.
+    pub stiffness: f64,
+    /// Force a unit of velocity, >= 0.
+    pub damping: f64,
 }
 
 /// One joint follows another.

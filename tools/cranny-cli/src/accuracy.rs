@@ -111,8 +111,16 @@ enum Subject {
 impl Subject {
     fn read(args: &AccuracyArgs) -> Result<Self, Failure> {
         let Some((mesh_b, poses)) = args.mesh_b.as_ref().zip(args.poses.as_ref()) else {
-            return Ok(Self::Scene(Box::new(scene_file::load(&args.subject, None)?)));
+            let options = args.set.load_options(None);
+            return Ok(Self::Scene(Box::new(scene_file::load(&args.subject, &options)?)));
         };
+        if let Some(setting) = args.set.settings.first() {
+            return Err(Failure::input(format!(
+                "--set {setting}: it is for scenes, and {} and {} are meshes. Leave it out.",
+                args.subject.display(),
+                mesh_b.display()
+            )));
+        }
         let poses = read_poses(poses)?;
         let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
         let a = model_file::load(&args.subject, args.scale_a, &options)?;

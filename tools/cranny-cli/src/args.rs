@@ -22,7 +22,7 @@ pub(crate) use replay::{ReplayArgs, ViewArg};
 pub(crate) use report::ReportArgs;
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
-    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, InsteadArgs, RecyclingArg, RunArgs,
+    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, InsteadArgs, RecyclingArg, RunArgs, SetArgs,
     SubstepsArg,
 };
 use show::show;

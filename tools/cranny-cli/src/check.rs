@@ -1,5 +1,7 @@
 //! `cranny check`: is a scene file right?
 
+mod overlaps;
+
 use cranny_ecs::check_effects;
 use serde::Serialize;
 
@@ -32,11 +34,12 @@ struct CheckSummary<'a> {
 ///
 /// A scene that cannot be read or is wrong; standard output that cannot be written.
 pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, None)?;
+    let scene = load(&args.scene, &args.set.load_options(None))?;
     let what = &scene.description;
     check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
+    let warnings = [scene.warnings.clone(), overlaps::at_start(what)].concat();
     let summary = CheckSummary {
         version: 1,
         scene: args.scene.display().to_string(),
@@ -48,7 +51,7 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
         cameras: what.cameras.len(),
         files: scene.files.len(),
         notes: &scene.notes,
-        warnings: &scene.warnings,
+        warnings: &warnings,
     };
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {

@@ -37,7 +37,7 @@ const FILES: [&str; 4] = ["compare.csv", "steps.csv", "steps.svg", "compare.svg"
 /// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What
 /// a peer cannot do stands in its row.
 pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, args.instead.seed)?;
+    let scene = load(&args.scene, &args.instead.load_options())?;
     let inputs: Vec<&Path> =
         std::iter::once(&*scene.path).chain(scene.files.iter().map(|file| &**file)).collect();
     if let Some(folder) = &args.out {

@@ -28,7 +28,7 @@ struct Explanation<'a> {
 ///
 /// A scene that cannot be read, is wrong, or cannot be composed.
 pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, None)?;
+    let scene = load(&args.scene, &args.set.load_options(None))?;
     // As `cranny run` runs it.
     let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
     let options = RunOptions {

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::model_file::{load_with_report, save};
 use crate::output::Output;
 use crate::paths::check_output;
+use crate::picture::Trouble;
 use picture::View;
 use summary::{Skipped, Summary};
 
@@ -71,11 +72,11 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
                 summary.outputs.push(path.display().to_string());
                 summary.legend = legend;
             }
-            Err(picture::Trouble::NoGraphics(why)) => {
+            Err(Trouble::NoGraphics(why)) => {
                 tracing::warn!("no picture: {why}");
                 summary.skipped.push(Skipped { what: path.display().to_string(), why });
             }
-            Err(picture::Trouble::Failed(failure)) => {
+            Err(Trouble::Failed(failure)) => {
                 summary.skipped.push(Skipped::after(path, &failure));
                 failed.get_or_insert(failure);
             }

@@ -19,6 +19,7 @@ mod output;
 mod page;
 mod parry;
 mod paths;
+mod picture;
 mod png;
 mod pose_file;
 mod progress;

@@ -2,12 +2,14 @@
 
 mod configuration_file;
 mod description;
+mod picture;
 
 use std::fmt::Display;
 use std::path::Path;
 use std::time::Instant;
 
-use cranny_scene::robot::{disabled_pairs, read_robot};
+use cranny_ecs::check_outputs;
+use cranny_scene::robot::{read_robot, read_semantics};
 use cranny_scene::{Robot, RobotError};
 use cranny_world::description::JointPositions;
 use cranny_world::{Arranged, Arrangement, Wanted};
@@ -16,7 +18,8 @@ use serde::Serialize;
 use crate::args::{Format, RobotArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::{check_input, read_text};
+use crate::paths::{check_input, check_output, read_text};
+use crate::picture::{Trouble, draw};
 use crate::progress;
 use configuration_file::read_configurations;
 use description::Description;
@@ -38,13 +41,19 @@ struct ConfigurationLine<'a> {
 /// Wrong files or options; standard output that cannot be written.
 pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Failure> {
     check_input("robot file", &args.urdf)?;
+    if let Some(path) = &args.render {
+        let inputs = [Some(&args.urdf), args.configurations.as_ref(), args.srdf.as_ref()];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().map(|path| &**path).collect();
+        check_outputs(&[path], &inputs).map_err(Failure::input)?;
+        check_output("--render", path, &["png"])?;
+    }
     // Short files first: a mistake in them is reported before meshes are read.
     let configurations = args.configurations.as_deref().map(read_configurations).transpose()?;
     let disabled = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
     let mut robot = read_robot(&args.urdf).map_err(|error| refused(&error))?;
     let drawn = robot.collide_as_drawn();
     let unknown = unknown_links(&robot, &disabled);
-    let checked = robot
+    let mut checked = robot
         .self_collisions(&disabled)
         .map_err(|error| Failure::input(format!("robot file {}: {error}", args.urdf.display())))?;
     let Some(configurations) = configurations else {
@@ -54,23 +63,58 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
             description.notes.push(note.to_owned());
         }
         description.notes.extend(unknown);
+        let pictured = render(args, &robot, &mut checked, &JointPositions::new());
+        description.notes.extend(pictured.as_ref().ok().cloned().flatten());
         let mut output = Output::new();
-        return match format.unwrap_or(Format::Text) {
-            Format::Json => output.json(&description),
-            Format::Text => output.line(&description.text()),
-        };
+        match format.unwrap_or(Format::Text) {
+            Format::Json => output.json(&description)?,
+            Format::Text => output.line(&description.text())?,
+        }
+        return pictured.map(|_| ());
     };
     for note in unknown {
         tracing::warn!("{note}");
     }
-    check(args, &robot, checked, &configurations, format.unwrap_or(Format::Json))
+    let drawn = configurations.get(args.at).ok_or_else(|| {
+        let last = configurations.len() - 1;
+        Failure::input(format!(
+            "--at {}: the last configuration is {last}. Name one up to it.",
+            args.at
+        ))
+    })?;
+    check(args, &robot, &mut checked, &configurations, format.unwrap_or(Format::Json))?;
+    render(args, &robot, &mut checked, drawn).map(|_| ())
+}
+
+/// Draws a configuration, where a picture is wanted; returns what is to be said of it.
+fn render(
+    args: &RobotArgs,
+    robot: &Robot,
+    links: &mut Arrangement,
+    positions: &JointPositions,
+) -> Result<Option<String>, Failure> {
+    let Some(path) = &args.render else { return Ok(None) };
+    let wrong =
+        |what: &dyn Display| Failure::input(format!("robot file {}: {what}", args.urdf.display()));
+    let mut positions = positions.clone();
+    robot.clamp_to_limits(&mut positions);
+    let poses = robot.forward_kinematics(&positions).map_err(|error| wrong(&error))?;
+    let found = links.at(&poses, Wanted::Meeting).map_err(|error| wrong(&error))?;
+    match draw(path, || picture::draw_list(robot, &poses, &found.meeting)) {
+        Ok(()) => Ok(Some(format!("drawn: {}", path.display()))),
+        Err(Trouble::NoGraphics(why)) => {
+            tracing::warn!("no picture: {why}");
+            Ok(Some(format!("not drawn: {}: {why}", path.display())))
+        }
+        Err(Trouble::Failed(failure)) => Err(failure),
+    }
 }
 
 /// Prints a line for each configuration.
 fn check(
     args: &RobotArgs,
     robot: &Robot,
-    mut links: Arrangement,
+    links: &mut Arrangement,
     configurations: &[JointPositions],
     format: Format,
 ) -> Result<(), Failure> {
@@ -143,7 +187,7 @@ impl<'a> ConfigurationLine<'a> {
 /// Pairs of an SRDF file.
 fn read_srdf(path: &Path) -> Result<Vec<[String; 2]>, Failure> {
     let (name, text) = (path.display(), read_text("SRDF file", path)?);
-    disabled_pairs(&text).map_err(|problem| {
+    read_semantics(&text).map(|semantics| semantics.disabled_pairs).map_err(|problem| {
         Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
     })
 }

@@ -33,7 +33,7 @@ const OFF: f64 = 1e-3;
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, args.instead.seed)?;
+    let scene = load(&args.scene, &args.instead.load_options())?;
     let names_cameras = !scene.description.cameras.is_empty();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
     let options = RunOptions {

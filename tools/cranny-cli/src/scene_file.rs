@@ -10,12 +10,12 @@ use crate::failure::Failure;
 use crate::paths::check_input;
 use crate::progress;
 
-/// Loads a scene and all that it names; `seed` replaces the scene's own. Notes are logged.
+/// Loads a scene and all that it names. Notes are logged.
 ///
 /// # Errors
 ///
 /// A scene that cannot be read or is wrong.
-pub(crate) fn load(path: &Path, seed: Option<u64>) -> Result<LoadedScene, Failure> {
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Failure> {
     check_input("scene file", path)?;
     if MeshFormat::of_path(path).is_some() || is_saved_model(path) {
         return Err(Failure::input(format!(
@@ -24,7 +24,7 @@ pub(crate) fn load(path: &Path, seed: Option<u64>) -> Result<LoadedScene, Failur
         )));
     }
     let waiting = progress::spinner(format!("reading {}", path.display()));
-    let scene = load_scene_with(path, &LoadOptions { seed }).map_err(wrong_scene)?;
+    let scene = load_scene_with(path, options).map_err(wrong_scene)?;
     waiting.finish_and_clear();
     let (bodies, files) = (scene.description.bodies.len(), scene.files.len());
     tracing::info!("{}: {bodies} bodies, {files} files named", path.display());

@@ -9,7 +9,7 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_rapier::{BodyIndex, JointIndex, JointSpec, Motor, Resistance, Simulation};
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, JointKind};
+use cranny_world::description::{BodyKind, JointKind, Spring};
 
 use super::given::Given;
 use super::{RigidBodies, SolverBody};
@@ -287,6 +287,11 @@ fn joint_spec(joint: &Joint) -> JointSpec {
         JointKind::Revolute { axis, limits } => JointSpec::Revolute { axis, limits, motor },
         JointKind::Prismatic { axis, limits } => JointSpec::Prismatic { axis, limits, motor },
         JointKind::Planar { normal } => JointSpec::Planar { normal },
+        JointKind::Ball => JointSpec::Ball,
+        JointKind::Rope { length } => JointSpec::Rope { length },
+        JointKind::Spring(Spring { length, stiffness, damping }) => {
+            JointSpec::Spring { length, stiffness, damping }
+        }
     }
 }
 

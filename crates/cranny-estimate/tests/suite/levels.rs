@@ -331,6 +331,34 @@ fn a_slow_body_is_known_better_frame_by_frame_for_the_same_budget() {
 }
 
 #[test]
+fn poses_far_from_each_other_cost_no_more_with_memory_and_leave_no_more_open() {
+    let ball = shape(GolfBall { dimples: 36, triangles: 2_000, ..GolfBall::default() });
+    let torus = shape(Torus::default());
+    let question = Query::of(Demand::Distance { below: None });
+    let levels = [Accuracy::Tree(6), Accuracy::Tree(12)].map(Effort::of);
+    let budgets = [100, 1_000, 10_000, 1_000_000].map(Effort::tests);
+    for effort in levels.iter().chain(&budgets) {
+        let mut rng = Rng::new(7);
+        let mut memory = EstimateMemory::default();
+        let (mut tests, mut open) = ([0u64; 2], [0; 2]);
+        for _ in 0..60 {
+            let translation = 2.5 * rng.unit() * rng.direction();
+            let pose = Pose { rotation: rng.rotation(), translation };
+            let (a, b) =
+                (Placed { model: &torus, pose: Pose::IDENTITY }, Placed { model: &ball, pose });
+            for (i, memory) in [&mut EstimateMemory::default(), &mut memory].into_iter().enumerate()
+            {
+                let found = estimate(a, b, &question, effort, memory).unwrap();
+                tests[i] += found.counters.node_tests + found.counters.triangle_tests;
+                open[i] += u32::from(found.verdict == Verdict::Open);
+            }
+        }
+        let [cold, warm] = tests.map(|tests| tests as f64);
+        assert!(warm <= 1.2 * cold && open[1] <= open[0], "{effort:?}: {tests:?}, {open:?}");
+    }
+}
+
+#[test]
 fn effort_without_limits_is_the_query() {
     let (cup, ball) = (shape(Cup::default()), shape(Sphere::default()));
     let (a, b) = (

@@ -80,7 +80,7 @@ impl Simulation {
     ///
     /// `near` picks the turn of a hinge that the bodies' poses leave open: its position is the
     /// nearest to it. Where the child has a parent already, or is not dynamic, the joint is one of
-    /// impulses.
+    /// impulses, and so are ropes and springs.
     pub fn join_reduced(
         &mut self,
         [parent, child]: [BodyIndex; 2],
@@ -96,9 +96,8 @@ impl Simulation {
         let start = position(spec, &frames, near);
         let data = generic_joint(&parent_from_joint, &child_from_joint, spec, start, true);
         let [first, second] = [self.handle(parent), self.handle(child)];
-        let dynamic = self.bodies[second].is_dynamic();
-        let taken =
-            dynamic.then(|| self.multibody_joints.insert(first, second, data, true)).flatten();
+        let fits = self.bodies[second].is_dynamic() && !spec.is_of_distance();
+        let taken = fits.then(|| self.multibody_joints.insert(first, second, data, true)).flatten();
         let axis = spec.driven_axis().map(|axis| axis as u8);
         let motor = spec.motor();
         let place = match taken {
@@ -336,7 +335,6 @@ fn position(spec: &JointSpec, [first, second]: &[Pose; 2], near: f64) -> f64 {
         translation: back * (second.translation - first.translation),
     };
     match *spec {
-        JointSpec::Fixed | JointSpec::Planar { .. } => 0.0,
         JointSpec::Prismatic { axis, .. } => relative.translation.dot(axis),
         JointSpec::Revolute { axis, .. } => {
             let turn = relative.rotation;
@@ -345,6 +343,7 @@ fn position(spec: &JointSpec, [first, second]: &[Pose; 2], near: f64) -> f64 {
             let turns = ((near - angle) / std::f64::consts::TAU).round();
             angle + std::f64::consts::TAU * turns
         }
+        _ => 0.0,
     }
 }
 

@@ -7,10 +7,12 @@ use cranny_narrow_phase::{Answer, Fields};
 use rapier3d::geometry::{ContactData, ContactManifold, ContactPair, NEW_CONTACT_BIT};
 use rapier3d::math::{Pose as RapierPose, Vector};
 use rapier3d::parry::query::TrackedContact;
+use rapier3d::prelude::{ImpulseJoint, RigidBodyHandle};
 
 use super::{BodyIndex, Simulation};
 use crate::carried::PairCounts;
 use crate::convert::wide;
+use crate::joint::elastic_energy;
 
 /// A point of a manifold, with what the solver did there.
 type TrackedPoint = TrackedContact<ContactData>;
@@ -58,12 +60,12 @@ pub struct SolvedPoint {
     pub impulse: f64,
 }
 
-/// Mechanical energy of all dynamic bodies.
+/// Mechanical energy of all dynamic bodies, and of the springs between bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Of motion.
     pub kinetic: f64,
-    /// Of height: −mass · gravity · centre of mass.
+    /// Of height, −mass · gravity · centre of mass, and in springs.
     pub potential: f64,
 }
 
@@ -103,7 +105,7 @@ impl Timings {
 }
 
 impl Simulation {
-    /// Energy of all dynamic bodies, summed in f64 from rapier's state.
+    /// Energy of all dynamic bodies and springs, summed in f64 from rapier's state.
     #[must_use]
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();
@@ -115,7 +117,18 @@ impl Simulation {
                 energy.potential -= f64::from(body.mass()) * self.options.gravity.dot(center);
             }
         }
+        energy.potential += self.joints.iter().map(|(_, joint)| self.in_spring(joint)).sum::<f64>();
         energy
+    }
+
+    fn in_spring(&self, joint: &ImpulseJoint) -> f64 {
+        let end = |body: RigidBodyHandle, frame: &RapierPose| {
+            let body = self.bodies.get(body)?;
+            Some(wide(body.position().transform_point(frame.translation)))
+        };
+        let ends = end(joint.body1(), &joint.data.local_frame1)
+            .zip(end(joint.body2(), &joint.data.local_frame2));
+        ends.map_or(0.0, |(a, b)| elastic_energy(&joint.data, a.distance(b)))
     }
 
     /// Says which fields somebody reads, from now on, of a pair of bodies in

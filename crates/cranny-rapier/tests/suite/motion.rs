@@ -80,6 +80,81 @@ fn a_slider_slides_along_its_axis_to_its_limit() {
 }
 
 #[test]
+fn a_ball_joint_swings_about_every_axis_and_keeps_its_point() {
+    let (mut simulation, _, bar) = pinned(&JointSpec::Ball, DVec3::new(0.0, 0.0, 2.0));
+    let mut swung = [0.0f64; 2];
+    for _ in 0..240 {
+        simulation.step();
+        let map = simulation.pose(bar).world_from_body();
+        let along = map.apply_vector(DVec3::X);
+        swung = [swung[0].max(along.y.abs()), swung[1].max(along.z.abs())];
+        let pin = map.apply(DVec3::new(-0.5, 0.0, 0.0));
+        assert!((pin - DVec3::new(0.5, 0.0, 0.0)).length() < 2e-2, "the pin is at {pin}");
+    }
+    assert!(swung.iter().all(|&most| most > 0.3), "swung by {swung:?}");
+}
+
+/// A cube of mass 1 below a fixed one, both held at their origins.
+fn hung(joint: &JointSpec, height: f64, gravity: DVec3) -> (Simulation, BodyIndex) {
+    let cube = cuboid(1.0, 1.0, 1.0);
+    let options = SimulationOptions { step: 1.0 / 960.0, gravity, ..SimulationOptions::default() };
+    let mut simulation = Simulation::new(options);
+    let above = simulation.insert(&spec(&cube, BodyKind::Fixed, DVec3::ZERO)).expect("a body");
+    let at = DVec3::new(0.0, 0.0, height);
+    let below = simulation.insert(&spec(&cube, BodyKind::Dynamic, at)).expect("a body");
+    simulation.join(above, below, Pose::IDENTITY, Pose::IDENTITY, joint, false);
+    (simulation, below)
+}
+
+#[test]
+fn a_rope_is_slack_until_it_is_taut() {
+    let gravity = DVec3::new(0.0, 0.0, -10.0);
+    let (mut simulation, cube) = hung(&JointSpec::Rope { length: 3.0 }, -2.0, gravity);
+    for _ in 0..192 {
+        simulation.step();
+    }
+    // 0.2 s of free fall: ½ · 10 · 0.04.
+    let slack = simulation.pose(cube).translation.z;
+    assert!((slack + 2.2).abs() < 5e-3, "fell to {slack}");
+    let mut lowest = 0.0f64;
+    for _ in 0..1920 {
+        simulation.step();
+        lowest = lowest.min(simulation.pose(cube).translation.z);
+    }
+    let rest = simulation.pose(cube).translation.z;
+    assert!((rest + 3.0).abs() < 1e-2 && lowest > -3.05, "hangs at {rest}, was at {lowest}");
+}
+
+#[test]
+fn a_spring_yields_by_the_weight_over_its_stiffness() {
+    let gravity = DVec3::new(0.0, 0.0, -10.0);
+    let spring = JointSpec::Spring { length: 2.0, stiffness: 40.0, damping: 12.0 };
+    let (mut simulation, cube) = hung(&spring, -2.0, gravity);
+    for _ in 0..4800 {
+        simulation.step();
+    }
+    let rest = simulation.pose(cube).translation.z;
+    assert!((rest + 2.25).abs() < 1e-3, "hangs at {rest}");
+}
+
+#[test]
+fn the_energy_of_a_spring_counts() {
+    let spring = JointSpec::Spring { length: 2.0, stiffness: 40.0, damping: 0.0 };
+    let (mut simulation, _) = hung(&spring, -2.5, DVec3::ZERO);
+    let start = simulation.energy();
+    assert!((start.potential - 0.5 * 40.0 * 0.25).abs() < 1e-5, "{start:?}");
+    let mut fastest = 0.0f64;
+    for _ in 0..480 {
+        simulation.step();
+        let energy = simulation.energy();
+        fastest = fastest.max(energy.kinetic);
+        let gained = energy.total() / start.total() - 1.0;
+        assert!((-0.1..0.02).contains(&gained), "{energy:?}: {gained}");
+    }
+    assert!(fastest > 0.9 * start.total(), "{fastest} of {start:?}");
+}
+
+#[test]
 fn a_body_in_free_fall_keeps_its_energy() {
     let l = model(LPrism::default());
     let options = SimulationOptions { step: 1.0 / 1000.0, ..SimulationOptions::default() };

@@ -73,11 +73,8 @@ impl Robot {
             })?;
             let refuse = |reason| PositionError::NotFree { joint: name.clone(), reason };
             let joint = &self.joints[index];
-            match joint.kind {
-                JointKind::Fixed => return Err(refuse("is fixed".to_owned())),
-                JointKind::Planar { .. } => return Err(refuse("is planar".to_owned())),
-                JointKind::Floating => return Err(refuse("is floating".to_owned())),
-                JointKind::Revolute { .. } | JointKind::Prismatic { .. } => {}
+            if !joint.has_position() {
+                return Err(refuse(format!("is {}", joint.kind.name().to_lowercase())));
             }
             if let Some(mimic) = &joint.mimic {
                 return Err(refuse(format!("follows joint {:?}", mimic.joint)));
@@ -123,18 +120,18 @@ impl RobotJoint {
     /// Whether one number says where it is.
     #[must_use]
     pub fn has_position(&self) -> bool {
-        matches!(self.kind, JointKind::Revolute { .. } | JointKind::Prismatic { .. })
+        self.kind.has_position()
     }
 
     /// The child's pose in the joint's frame at a position.
     #[must_use]
     pub fn joint_from_child(&self, position: f64) -> Pose {
         match self.kind {
-            JointKind::Fixed | JointKind::Planar { .. } | JointKind::Floating => Pose::IDENTITY,
             JointKind::Revolute { axis, .. } => {
                 Pose { rotation: about(axis, position), translation: DVec3::ZERO }
             }
             JointKind::Prismatic { axis, .. } => Pose::at(axis * position),
+            _ => Pose::IDENTITY,
         }
     }
 
@@ -142,8 +139,8 @@ impl RobotJoint {
     #[must_use]
     pub fn limits(&self) -> Option<[f64; 2]> {
         match self.kind {
-            JointKind::Fixed | JointKind::Planar { .. } | JointKind::Floating => None,
             JointKind::Revolute { limits, .. } | JointKind::Prismatic { limits, .. } => limits,
+            _ => None,
         }
     }
 }

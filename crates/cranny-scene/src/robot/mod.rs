@@ -26,7 +26,7 @@ pub(crate) use kinematics::about;
 pub use models::LinkModelError;
 pub(crate) use models::LinkModels;
 pub use problem::RobotError;
-pub use srdf::disabled_pairs;
+pub use srdf::{Semantics, read_semantics};
 pub use urdf::read_robot;
 
 /// A tree of links joined by joints.

@@ -10,33 +10,55 @@ use std::sync::Arc;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
-    BodyDescription, BodyKind, CameraDescription, CameraView, Effect, JointDescription, JointKind,
-    Keyframe, KeyframedPath, Material, Normals, PairDescription, Resistance, SceneDescription,
-    StatedMass, TrackerDescription,
+    BodyDescription, BodyKind, CameraDescription, CameraView, Effect, Keyframe, KeyframedPath,
+    Material, Normals, PairDescription, SceneDescription, StatedMass, TrackerDescription,
 };
 
 use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
 use super::geometry::CollisionGeometry;
+use super::include::{Sheet, Sheets};
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    AccuracyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PresetFile,
-    SceneFile, effects,
+    AccuracyFile, CameraFile, GroupFile, PairFile, PileFile, PresetFile, SceneFile, effects,
 };
-use super::values::Finite;
 use super::{LoadOptions, locate, mass, pile, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
 type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
 
-pub(super) fn assemble(
-    scene: SceneFile,
-    text: &str,
-    path: &Path,
-    options: &LoadOptions,
-) -> Result<Assembled, SceneError> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let description = SceneDescription {
-        name: scene.name.unwrap_or(stem),
+/// Makes a description of what files say: included bodies come first, included cameras last.
+pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembled, SceneError> {
+    let Sheets { own, included } = sheets;
+    let mut assembly = Assembly {
+        source: own.source(),
+        description: described(own, options),
+        piles: 0,
+        shapes: Vec::new(),
+        drawn: Vec::new(),
+        files: included.iter().map(|sheet| sheet.path.clone()).collect(),
+        notes: included.iter().filter_map(note_of_included).collect(),
+        warnings: Vec::new(),
+    };
+    for sheet in included.iter().chain([own]) {
+        assembly.turn_to(sheet);
+        assembly.add(&sheet.scene)?;
+    }
+    for sheet in [own].into_iter().chain(included) {
+        assembly.turn_to(sheet);
+        sheet.scene.cameras.iter().try_for_each(|camera| assembly.camera(camera))?;
+    }
+    assembly.warnings.extend(sensors::unread(&assembly.description));
+    assembly.description.excluded_pairs.sort_unstable();
+    assembly.description.excluded_pairs.dedup();
+    Ok((assembly.description, assembly.files, [assembly.notes, assembly.warnings]))
+}
+
+/// What holds for the whole scene; bodies and the like are still to come.
+fn described(sheet: &Sheet, options: &LoadOptions) -> SceneDescription {
+    let scene = &sheet.scene;
+    let stem = sheet.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    SceneDescription {
+        name: scene.name.clone().unwrap_or(stem),
         gravity: scene.gravity.0,
         step: scene.step.0,
         duration: scene.duration.0,
@@ -50,49 +72,21 @@ pub(super) fn assemble(
         pairs: Vec::new(),
         cameras: Vec::new(),
         record: scene.record.description(scene.step.0),
-    };
-    let source = Source { text, path };
-    let mut assembly = Assembly {
-        source,
-        description,
-        shapes: Vec::new(),
-        drawn: Vec::new(),
-        files: Vec::new(),
-        notes: Vec::new(),
-        warnings: Vec::new(),
-    };
-    for body in &scene.bodies {
-        assembly.body(body)?;
     }
-    for (index, group) in scene.groups.iter().enumerate() {
-        let GroupFile::Pile(pile) = group;
-        assembly.pile(pile, index as u64)?;
-    }
-    for robot in &scene.robots {
-        place_robot::place(&mut assembly, robot)?;
-    }
-    assembly.check_body_names()?;
-    assembly.check_effects_of_primitives()?;
-    for joint in &scene.joints {
-        assembly.joint(joint)?;
-    }
-    assembly.check_joint_names()?;
-    for pair in &scene.pairs {
-        assembly.pair(pair)?;
-    }
-    for camera in &scene.cameras {
-        assembly.camera(camera)?;
-    }
-    assembly.warnings.extend(sensors::unread(&assembly.description));
-    assembly.description.excluded_pairs.sort_unstable();
-    assembly.description.excluded_pairs.dedup();
-    Ok((assembly.description, assembly.files, [assembly.notes, assembly.warnings]))
+}
+
+/// Which values of an included file do not count.
+fn note_of_included(sheet: &Sheet) -> Option<String> {
+    let fields: Vec<_> = sheet.unheeded().iter().map(|field| format!("`{field}`")).collect();
+    (!fields.is_empty()).then(|| {
+        format!("{}: included, so its {} do not count", sheet.path.display(), fields.join(", "))
+    })
 }
 
 /// The text that is being assembled, for places.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
-    text: &'a str,
+    pub(super) text: &'a str,
     pub(super) path: &'a Path,
 }
 
@@ -115,6 +109,8 @@ impl Source<'_> {
 pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
+    /// Piles so far.
+    piles: u64,
     /// Geometry made so far: bodies of one shape share it.
     pub(super) shapes: Vec<(ShapeFile, CollisionGeometry)>,
     /// The same of what is drawn.
@@ -125,7 +121,31 @@ pub(super) struct Assembly<'a> {
     pub(super) warnings: Vec<String>,
 }
 
+impl<'a> Assembly<'a> {
+    /// Whose text is read from now on. Meshes are shared within a folder, to which paths are
+    /// relative.
+    fn turn_to(&mut self, sheet: &'a Sheet) {
+        if self.source.path.parent() != sheet.path.parent() {
+            self.shapes.clear();
+            self.drawn.clear();
+        }
+        self.source = sheet.source();
+    }
+}
+
 impl Assembly<'_> {
+    /// Adds what a file says to what the files before it have said.
+    fn add(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
+        scene.bodies.iter().try_for_each(|body| self.body(body))?;
+        scene.groups.iter().try_for_each(|GroupFile::Pile(pile)| self.pile(pile))?;
+        scene.robots.iter().try_for_each(|robot| place_robot::place(self, robot))?;
+        self.check_body_names()?;
+        self.check_effects_of_primitives()?;
+        scene.joints.iter().try_for_each(|joint| self.joint(joint))?;
+        self.check_joint_names()?;
+        scene.pairs.iter().try_for_each(|pair| self.pair(pair))
+    }
+
     fn body(&mut self, body: &BodyFile) -> Result<(), SceneError> {
         let kind = BodyKind::from(body.kind);
         let velocity = [body.velocity.linear.0, body.velocity.angular.0];
@@ -212,7 +232,7 @@ impl Assembly<'_> {
         checked.map_err(|why| self.contradicted(&body.name, format!("its tracker: {why}")))
     }
 
-    fn pile(&mut self, group: &PileFile, index: u64) -> Result<(), SceneError> {
+    fn pile(&mut self, group: &PileFile) -> Result<(), SceneError> {
         let refuse = |source: &Source<'_>, problem: String| {
             let place = source.find("name", &group.name);
             let problem = SceneProblem::Contradiction(format!("pile {:?}: {problem}", group.name));
@@ -240,7 +260,8 @@ impl Assembly<'_> {
             .map(|shape| self.mass(&group.name, group.kind.into(), shape, None, material))
             .collect::<Result<Vec<_>, _>>()?;
         let meshes: Vec<Arc<Mesh>> = shapes.iter().map(|shape| Arc::clone(&shape.mesh)).collect();
-        let seed = group.seed.unwrap_or_else(|| self.description.seed.wrapping_add(index));
+        let seed = group.seed.unwrap_or_else(|| self.description.seed.wrapping_add(self.piles));
+        self.piles += 1;
         let pieces = pile::place(group.count as usize, seed, &region, group.gap.0, &meshes)
             .map_err(|problem| refuse(&self.source, problem))?;
         let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
@@ -375,7 +396,7 @@ impl Assembly<'_> {
         self.source.error(place, SceneProblem::DuplicateName { kind, name: name.to_owned() })
     }
 
-    fn index_of(&self, field: &str, name: &str) -> Result<usize, SceneError> {
+    pub(super) fn index_of(&self, field: &str, name: &str) -> Result<usize, SceneError> {
         let bodies = &self.description.bodies;
         bodies.iter().position(|body| body.name == name).ok_or_else(|| {
             /// Enough to see a typing error.
@@ -390,57 +411,6 @@ impl Assembly<'_> {
             let problem = SceneProblem::UnknownBody { name: name.to_owned(), known };
             self.source.error(self.source.find(field, name), problem)
         })
-    }
-
-    fn joint(&mut self, joint: &JointFile) -> Result<(), SceneError> {
-        let parent = self.index_of("parent", &joint.parent)?;
-        let child = self.index_of("child", &joint.child)?;
-        let refuse = |problem: &str| {
-            let what = format!("joint {:?}: {problem}", joint.name);
-            self.source
-                .error(self.source.find("name", &joint.name), SceneProblem::Contradiction(what))
-        };
-        if parent == child {
-            return Err(refuse("it joins a body to itself"));
-        }
-        let ordered = |limits: Option<[Finite; 2]>| {
-            let limits = limits.map(|[low, high]| [low.0, high.0]);
-            match limits {
-                Some([low, high]) if low > high => {
-                    Err(refuse("its lower limit is above its upper one"))
-                }
-                _ => Ok(limits),
-            }
-        };
-        let kind = match joint.kind {
-            JointKindFile::Fixed {} => JointKind::Fixed,
-            JointKindFile::Revolute { axis, limits } => {
-                JointKind::Revolute { axis: axis.0, limits: ordered(limits)? }
-            }
-            JointKindFile::Prismatic { axis, limits } => {
-                JointKind::Prismatic { axis: axis.0, limits: ordered(limits)? }
-            }
-        };
-        let whose = format!("joint {:?}", joint.name);
-        let [parent_anchor, child_anchor] =
-            [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
-        if !joint.collide {
-            self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
-        }
-        self.description.joints.push(JointDescription {
-            name: joint.name.clone(),
-            parent,
-            child,
-            parent_anchor,
-            child_anchor,
-            kind,
-            mimic: None,
-            motor: place_robot::motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
-            resistance: Resistance::default(),
-            reduced: false,
-            start: 0.0,
-        });
-        Ok(())
     }
 
     fn pair(&mut self, pair: &PairFile) -> Result<(), SceneError> {

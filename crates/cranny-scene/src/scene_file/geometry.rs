@@ -168,7 +168,7 @@ impl Assembly<'_> {
         mesh: Mesh,
         repair: Repair,
     ) -> Result<CollisionGeometry, SceneError> {
-        let options = BuildOptions { self_intersections: false, repair, ..BuildOptions::default() };
+        let options = BuildOptions { repair, ..BuildOptions::default() };
         let (model, report) = Model::build(mesh, &options).map_err(|error| {
             let advice = match repair {
                 Repair::None => "",
@@ -181,9 +181,18 @@ impl Assembly<'_> {
         self.warnings.extend(limits(&report).map(|limit| {
             format!("body {body:?}: {name}: {limit} (`cranny inspect {name}` shows where)")
         }));
+        let has_inner = report.findings.iter().any(|finding| INNER.contains(&finding.kind));
+        if has_inner && model.is_closed() {
+            self.warnings.push(format!(
+                "body {body:?}: {name}: it has faces within its solid. It collides by its outer skin, and where it is Dynamic it weighs too much at its density: say `mass: Total(…)` or `Stated(…)`"
+            ));
+        }
         Ok(CollisionGeometry::of_model(model))
     }
 }
+
+/// Findings that tell of faces within the solid, which enclose a part of it twice.
+const INNER: [FindingKind; 2] = [FindingKind::SelfIntersection, FindingKind::NestedSolid];
 
 /// What remains in a mesh and limits answers, a sentence a kind.
 fn limits(report: &Report) -> impl Iterator<Item = String> {

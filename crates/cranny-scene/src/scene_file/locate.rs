@@ -34,13 +34,20 @@ pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<R
     matches.nth(nth)
 }
 
-struct Token {
-    range: Range<usize>,
-    /// Content of a string literal.
-    string: Option<String>,
+/// The first place where a string stands in RON text, with its quotes.
+pub(super) fn find_string(text: &str, value: &str) -> Option<Range<usize>> {
+    let mut tokens = tokens(text).into_iter();
+    tokens.find(|token| token.string.as_deref() == Some(value)).map(|token| token.range)
 }
 
-fn tokens(text: &str) -> Vec<Token> {
+/// A word, a string or a single character; comments and blanks are none.
+pub(super) struct Token {
+    pub(super) range: Range<usize>,
+    /// Content of a string literal.
+    pub(super) string: Option<String>,
+}
+
+pub(super) fn tokens(text: &str) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {

@@ -20,20 +20,23 @@
 //! relative to the scene file. Loading is deterministic: the same text, files and seed give the
 //! same description to the bit (on one platform: generators use its sine and cosine).
 //!
-//! `syntax` reads the text, `assemble` makes the description of it, `locate` gives an error its
-//! line and column.
+//! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble`
+//! makes the description of it, `locate` gives an error its line and column.
 
 mod assemble;
 mod body_syntax;
 mod effect;
 mod geometry;
+mod include;
 mod locate;
 mod mass;
 mod pile;
+mod place_joint;
 mod place_robot;
 mod primitive;
 mod problem;
 mod sensors;
+mod setting;
 mod syntax;
 mod tracker;
 mod values;
@@ -43,15 +46,16 @@ use std::path::{Path, PathBuf};
 
 use cranny_world::description::SceneDescription;
 
-use crate::byte_order_mark::without_mark;
-
 pub use problem::{Located, SceneError, SceneProblem};
+pub use setting::{Setting, SettingError};
 
 /// What a program may decide in place of the scene file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Replaces the scene's `seed`.
     pub seed: Option<u64>,
+    /// Values in place of those in the text, in order.
+    pub settings: Vec<Setting>,
 }
 
 /// A scene, ready to be built, with what it came from.
@@ -59,11 +63,13 @@ pub struct LoadOptions {
 pub struct LoadedScene {
     /// Bodies, joints, effects.
     pub description: SceneDescription,
-    /// The file's text as read, for recordings and hashes.
+    /// The file's text with the settings in it, for recordings and hashes.
     pub source_text: String,
+    /// The texts of the scene files that it includes, in the order in which they were read.
+    pub included_texts: Vec<String>,
     /// The path.
     pub path: PathBuf,
-    /// Every further file read: meshes, robots and their meshes; each once, in order.
+    /// Every further file read: scenes, meshes, robots and their meshes; each once, in order.
     pub files: Vec<PathBuf>,
     /// One sentence each, from mesh and robot readers: what was left out or changed.
     pub notes: Vec<String>,
@@ -101,12 +107,12 @@ pub fn parse_scene(
     path: &Path,
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
-    let text = without_mark(&text).to_owned();
-    let scene = syntax::parse(&text, path)?;
-    let (description, files, [notes, warnings]) = assemble::assemble(scene, &text, path, options)?;
+    let sheets = include::sheets(&text, path, options)?;
+    let (description, files, [notes, warnings]) = assemble::assemble(&sheets, options)?;
     Ok(LoadedScene {
         description,
-        source_text: text,
+        source_text: sheets.own.text,
+        included_texts: sheets.included.into_iter().map(|sheet| sheet.text).collect(),
         path: path.to_owned(),
         files,
         notes,

@@ -25,7 +25,7 @@ use self::masses::{FRAME_SIZE, box_of, cube_of, inertia_box, moved, summed};
 use super::assemble::{Assembly, is_mesh};
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{MotorFile, RobotFile, effects};
-use crate::robot::{LinkModels, Robot, disabled_pairs, read_robot};
+use crate::robot::{LinkModels, Robot, Semantics, read_robot, read_semantics};
 
 /// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
 /// it has no weight beside the last digits in single precision; larger: an arm feels it.
@@ -62,7 +62,9 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         let what = format!("robot {name:?}: {problem}");
         source.error(place.clone(), SceneProblem::Contradiction(what))
     };
-    let mut positions = numbers(&file.positions);
+    let semantics = semantics(assembly, file).map_err(refuse)?;
+    let mut positions = of_state(&semantics, file, &robot).map_err(refuse)?;
+    positions.extend(numbers(&file.positions));
     let targets = numbers(&file.targets);
     check_limits(&robot, "position", &positions).map_err(refuse)?;
     check_limits(&robot, "target", &targets).map_err(refuse)?;
@@ -85,18 +87,6 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     if robot.collide_as_drawn() {
         warnings.push("no link has collision geometry: the visual meshes stand for it".to_owned());
     }
-    let disabled = match &file.srdf {
-        None => Vec::new(),
-        Some(srdf) => {
-            let srdf = source.resolve(srdf);
-            let text = fs::read_to_string(&srdf);
-            let pairs = text.map_err(|error| error.to_string()).and_then(|t| disabled_pairs(&t));
-            let pairs = pairs
-                .map_err(|problem| refuse(format!("SRDF file {}: {problem}", srdf.display())))?;
-            assembly.add_file(srdf);
-            pairs
-        }
-    };
     let world_from_root = assembly.pose(&format!("robot {name:?}"), file.pose);
     let mut placing = Placing {
         robot: &robot,
@@ -116,7 +106,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     let world_from_links: Vec<Pose> =
         root_from_links.iter().map(|pose| world_from_root.compose(pose)).collect();
     placing.build(&world_from_links, &starts, &targets).map_err(refuse)?;
-    let excluded = placing.excluded(&disabled).map_err(refuse)?;
+    let excluded = placing.excluded(&semantics.disabled_pairs).map_err(refuse)?;
     let Placing { bodies, joints, warnings, .. } = placing;
     assembly.description.bodies.extend(bodies);
     assembly.description.joints.extend(joints);
@@ -124,6 +114,38 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     assembly.warnings.extend(warnings.iter().map(|what| format!("{}: {what}", path.display())));
     robot.files.into_iter().for_each(|file| assembly.add_file(file));
     Ok(())
+}
+
+/// What the SRDF file says, if one is named.
+fn semantics(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<Semantics, String> {
+    let Some(srdf) = &file.srdf else { return Ok(Semantics::default()) };
+    let path = assembly.source.resolve(srdf);
+    let text = fs::read_to_string(&path).map_err(|error| error.to_string());
+    let semantics = text.and_then(|text| read_semantics(&text));
+    let semantics =
+        semantics.map_err(|problem| format!("SRDF file {}: {problem}", path.display()))?;
+    assembly.add_file(path);
+    Ok(semantics)
+}
+
+/// Where the state that is named has joints, but for those that follow others.
+fn of_state(
+    semantics: &Semantics,
+    file: &RobotFile,
+    robot: &Robot,
+) -> Result<JointPositions, String> {
+    let Some(name) = &file.state else { return Ok(JointPositions::new()) };
+    let srdf = file.srdf.as_ref().ok_or_else(|| {
+        format!("it starts in the state {name:?}, but names no `srdf`. Name the file that has it")
+    })?;
+    let state = semantics.states.get(name).ok_or_else(|| {
+        let known: Vec<_> = semantics.states.keys().map(String::as_str).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        format!("{srdf} has no state {name:?}. Its states are {known}")
+    })?;
+    let follows = |joint: &str| robot.joint(joint).is_some_and(|j| robot.joints[j].mimic.is_some());
+    let own = state.iter().filter(|(joint, _)| !follows(joint));
+    Ok(own.map(|(joint, value)| (joint.clone(), *value)).collect())
 }
 
 fn numbers(values: &BTreeMap<String, super::values::Finite>) -> JointPositions {

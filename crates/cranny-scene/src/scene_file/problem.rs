@@ -54,6 +54,22 @@ pub enum SceneProblem {
     /// The text is no scene: says what was expected.
     #[error("{0}")]
     Syntax(String),
+    /// A [`Setting`](super::Setting) that leads nowhere, or that the reader refuses.
+    #[error("the setting {setting}: {what}")]
+    Setting {
+        /// As somebody wrote it.
+        setting: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// A file that a scene includes.
+    #[error("the included scene {}: {why}", path.display())]
+    Include {
+        /// The path.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
     /// Two things of one kind have one name.
     #[error(
         "there are two {kind} called {name:?}. Names are frame ids and must be unique: rename one"

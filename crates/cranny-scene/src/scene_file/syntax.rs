@@ -26,6 +26,9 @@ pub(super) struct SceneFile {
     _version: Version,
     #[serde(default)]
     pub(super) name: Option<String>,
+    /// Scene files, relative to this one.
+    #[serde(default)]
+    pub(super) includes: Vec<String>,
     #[serde(default = "earth")]
     pub(super) gravity: Vector,
     #[serde(default = "default_step")]
@@ -75,6 +78,11 @@ impl TryFrom<u32> for Version {
 
 fn earth() -> Vector {
     Vector(DVec3::new(0.0, 0.0, -9.81))
+}
+
+/// What a vector is that a scene does not state, by its name; `None`: it has no default of its own.
+pub(super) fn default_of_vector(field: &str) -> Option<DVec3> {
+    (field == "gravity").then(|| earth().0)
 }
 
 fn default_step() -> Positive {
@@ -165,6 +173,9 @@ pub(super) struct RobotFile {
     /// An SRDF file, relative to the scene file: the pairs that it disables never meet.
     #[serde(default)]
     pub(super) srdf: Option<String>,
+    /// A named state of the SRDF file: where joints start that `positions` does not name.
+    #[serde(default)]
+    pub(super) state: Option<String>,
     /// Its density is for links whose URDF states no mass.
     #[serde(default)]
     pub(super) material: MaterialFile,
@@ -256,6 +267,20 @@ pub(super) enum JointKindFile {
         #[serde(default)]
         limits: Option<[Finite; 2]>,
     },
+    Ball {},
+    Rope {
+        length: Positive,
+    },
+    Spring {
+        length: NotNegative,
+        stiffness: Positive,
+        #[serde(default = "undamped")]
+        damping: NotNegative,
+    },
+}
+
+fn undamped() -> NotNegative {
+    NotNegative(0.0)
 }
 
 #[derive(Debug, Deserialize)]
@@ -368,11 +393,15 @@ pub(super) fn effects(files: &[EffectFile]) -> Vec<Effect> {
     files.iter().map(|file| file.0).collect()
 }
 
+/// How RON is read.
+pub(super) fn options() -> ron::Options {
+    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
+    ron::Options::default().with_default_extension(extensions)
+}
+
 /// Reads the text as RON. Errors of the `ron` crate have line and column; [`located`] reports them.
 pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
-    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
-    let options = ron::Options::default().with_default_extension(extensions);
-    options.from_str(text).map_err(|error| {
+    options().from_str(text).map_err(|error| {
         let start = byte_at(text, error.span.start.line, error.span.start.col);
         let end = byte_at(text, error.span.end.line, error.span.end.col);
         // What the reader says of a value does not name its field.

@@ -88,6 +88,30 @@ fn an_open_mesh_weighs_what_its_hull_weighs_and_says_so() {
 }
 
 #[test]
+fn faces_within_a_solid_are_told_of_with_what_it_weighs() {
+    let files = Files::new();
+    let cube = fs::read_to_string(files.path("cube.obj")).unwrap();
+    for (name, low, high, kind) in [
+        ("cross.obj", 0.5, 1.5, "self intersection"),
+        ("nested.obj", 0.25, 0.75, "1 x nested solid"),
+    ] {
+        let corner = |i: usize| {
+            let at = |upper: bool| if upper { high } else { low };
+            format!("v {} {} {}\n", at(matches!(i % 4, 1 | 2)), at(i % 4 > 1), at(i > 3))
+        };
+        let second: String = (0..8).map(corner).collect();
+        let faces = CUBE.map(|[a, b, c, d]| format!("f {} {} {} {}\n", a + 8, b + 8, c + 8, d + 8));
+        files.write(name, &format!("{cube}{second}{}", faces.concat()));
+        let loaded = files.body(&format!("\"{name}\""), "").unwrap();
+        let warnings = loaded.warnings.join("\n");
+        assert!(warnings.contains(kind), "{warnings}");
+        assert!(warnings.contains("body \"a\"") && warnings.contains(name), "{warnings}");
+        assert!(warnings.contains("collides by its outer skin"), "{warnings}");
+        assert!(warnings.contains("say `mass: Total(…)`"), "{warnings}");
+    }
+}
+
+#[test]
 fn a_body_weighs_what_the_scene_says() {
     let files = Files::new();
     let open = |mass: &str| files.mass("\"open.obj\"", &format!(", mass: {mass}")).unwrap();

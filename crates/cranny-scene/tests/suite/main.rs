@@ -19,6 +19,7 @@ mod corpus_files;
 mod equal;
 mod filed_meshes;
 mod generator_page;
+mod includes;
 mod invariants;
 #[path = "../assets/meeting.rs"]
 mod meeting;
@@ -32,4 +33,5 @@ mod primitives;
 mod robots;
 mod scene_page;
 mod scenes;
+mod settings;
 mod structures;

@@ -508,6 +508,33 @@ fn joints_start_within_their_limits() {
 }
 
 #[test]
+fn a_robot_starts_in_a_named_state_of_its_srdf() {
+    let files = Files::new();
+    let state = |joints: &str| {
+        let text = format!(
+            "<robot name=\"r\">\n<group_state name=\"up\" group=\"g\">{joints}</group_state></robot>"
+        );
+        std::fs::write(files.folder.path().join("r.srdf"), text).unwrap();
+    };
+    state("<joint name=\"turn\" value=\"0.75\"/>");
+    let turn = |robot: &str| held(&files.scene(&arm(), robot).unwrap().joints[0]);
+    assert_eq!(turn("srdf: \"r.srdf\", state: \"up\""), Some(0.75));
+    assert_eq!(turn("srdf: \"r.srdf\", state: \"up\", positions: {\"turn\": 0.5}"), Some(0.5));
+    assert_eq!(turn("srdf: \"r.srdf\""), Some(0.0));
+    let refused = |robot: &str| files.scene(&arm(), robot).unwrap_err().to_string();
+    let none = refused("state: \"up\"");
+    assert!(none.contains("starts in the state \"up\", but names no `srdf`"), "{none}");
+    let unknown = refused("srdf: \"r.srdf\", state: \"down\"");
+    assert!(unknown.contains("r.srdf has no state \"down\". Its states are up"), "{unknown}");
+    state("<joint name=\"turn\" value=\"9\"/>");
+    let beyond = refused("srdf: \"r.srdf\", state: \"up\"");
+    assert!(beyond.contains("turn") && beyond.contains('9'), "{beyond}");
+    state("<joint name=\"turn\"/>");
+    let half = refused("srdf: \"r.srdf\", state: \"up\"");
+    assert!(half.contains("r.srdf: line 2: an element 'joint' has no \"value\""), "{half}");
+}
+
+#[test]
 fn links_that_meet_at_rest_are_left_out_and_said() {
     let files = Files::new();
     // b slides from 1 away to a's place; c lies in a, and meets nothing else.

@@ -32,7 +32,9 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     let joints = [joint("elbow", "base", "upper"), joint("wrist", "upper", "hand")].concat();
     let urdf = format!("<robot name='arm'>{links}{joints}</robot>");
     fs::write(folder.path().join("arm.urdf"), urdf).unwrap();
-    fs::write(folder.path().join("arm.srdf"), "<robot name='arm'/>").unwrap();
+    fs::write(folder.path().join("arm.srdf"), "<robot name='arm'><group_state name='bent' group='arm'><joint name='wrist' value='0.1'/></group_state></robot>").unwrap();
+    let room = "(bodies: [(name: \"floor\", shape: Generator(Cuboid()), kind: Fixed)])";
+    fs::write(folder.path().join("room.ron"), room).unwrap();
     let scene = folder.path().join("s.ron");
     (folder, scene)
 }
@@ -66,6 +68,24 @@ fn every_effect_is_on_the_page() {
     let section = section_of_page("Effects");
     for name in names {
         assert!(section.contains(&format!("`{name}(")), "{name}");
+    }
+}
+
+#[test]
+fn every_setting_of_the_page_is_one() {
+    let section = section_of_page("Settings");
+    let (_folder, path) = folder();
+    let (_, text) = section.split_once("```ron\n").unwrap();
+    let text = text.split("```").next().unwrap();
+    let (_, commands) = section.split_once("```sh\n").unwrap();
+    let settings: Vec<_> = commands.split("--set ").skip(1).collect();
+    assert!(settings.len() >= 6, "{}", settings.len());
+    for written in settings {
+        let written = written.split(['\n', '#']).next().unwrap().trim().trim_matches('\'');
+        let settings = vec![written.parse().unwrap_or_else(|error| panic!("{written}: {error}"))];
+        let options = LoadOptions { settings, ..LoadOptions::default() };
+        let parsed = parse_scene(text.to_owned(), &path, &options);
+        parsed.unwrap_or_else(|error| panic!("{error}\n{written}"));
     }
 }
 
@@ -127,6 +147,8 @@ fn every_field_that_is_read_is_on_the_page() {
         ("Joints", "(joints: [(zzz: 1)])".to_owned()),
         ("Joints", "(joints: [(kind: Zzz())])".to_owned()),
         ("Joints", "(joints: [(kind: Revolute(zzz: 1))])".to_owned()),
+        ("Joints", "(joints: [(kind: Rope(zzz: 1))])".to_owned()),
+        ("Joints", "(joints: [(kind: Spring(zzz: 1))])".to_owned()),
         ("Pairs", "(pairs: [(zzz: 1)])".to_owned()),
         ("Cameras", "(cameras: [(zzz: 1)])".to_owned()),
         ("Cameras", "(cameras: [(preset: Zzz)])".to_owned()),

@@ -9,7 +9,7 @@ use cranny_scene::{
 };
 use cranny_world::description::{
     Accuracy, BodyKind, CameraView, Effect, Interpolation, JointKind, Material, Motor, Normals,
-    PathEnd,
+    PathEnd, Spring,
 };
 use miette::Diagnostic;
 
@@ -86,8 +86,14 @@ fn an_empty_scene_has_defaults_and_the_seed_can_be_replaced() {
         let loaded = parse_scene(FULL.to_owned(), Path::new("x.ron"), options).unwrap();
         loaded.description.bodies.iter().map(|body| body.pose.bits()).collect::<Vec<_>>()
     };
-    assert_eq!(poses(&LoadOptions::default()), poses(&LoadOptions { seed: Some(3) }));
-    assert_ne!(poses(&LoadOptions::default()), poses(&LoadOptions { seed: Some(4) }));
+    assert_eq!(
+        poses(&LoadOptions::default()),
+        poses(&LoadOptions { seed: Some(3), ..LoadOptions::default() })
+    );
+    assert_ne!(
+        poses(&LoadOptions::default()),
+        poses(&LoadOptions { seed: Some(4), ..LoadOptions::default() })
+    );
 }
 
 #[test]
@@ -277,7 +283,12 @@ fn what_only_shows_in_the_whole_is_placed_too() {
         ),
         ("b: \"nut\"", "b: \"mug\"", "line 11, column 24", "names \"mug\" twice"),
         ("child: \"nut\"", "child: \"mug\"", "line 9, column 18", "joins a body to itself"),
-        ("limits: (-1, 1)", "limits: (1, -1)", "line 9, column 18", "lower limit is above"),
+        (
+            "limits: (-1, 1)",
+            "limits: (1, -1)",
+            "line 9, column 18",
+            "its lower limit, 1, is above its upper one, -1",
+        ),
         ("name: \"own\"", "name: \"main\"", "line 12, column", "two cameras called"),
         ("name: \"own\"", "name: \"a b\"", "line 12, column", "no topic name"),
         (
@@ -301,6 +312,57 @@ fn what_only_shows_in_the_whole_is_placed_too() {
     for (from, to, place, says) in cases {
         let text = refused(from, to).to_string();
         assert!(text.contains(place) && text.contains(says), "{to}: {text}");
+    }
+}
+
+/// Two cubes 3 apart along x, joined by what is given.
+fn joined(joint: &str) -> Result<LoadedScene, SceneError> {
+    parse(&format!(
+        "(bodies: [(name: \"a\", shape: Generator(Cuboid()), kind: Fixed),
+           (name: \"b\", shape: Generator(Cuboid()), pose: (at: (3, 0, 0)))],
+          joints: [(name: \"j\", parent: \"a\", child: \"b\", {joint})])"
+    ))
+}
+
+#[test]
+fn joints_hold_points_and_distances() {
+    let spring = Spring { length: 2.0, stiffness: 40.0, damping: 0.0 };
+    for (joint, kind) in [
+        ("kind: Ball(), child_anchor: (at: (-3, 0, 0))", JointKind::Ball),
+        ("kind: Rope(length: 3)", JointKind::Rope { length: 3.0 }),
+        ("kind: Spring(length: 2, stiffness: 40)", JointKind::Spring(spring)),
+    ] {
+        let scene = joined(joint).unwrap();
+        assert_eq!((scene.description.joints[0].kind, scene.warnings.len()), (kind, 0), "{joint}");
+        assert_eq!(scene.description.excluded_pairs, [(0, 1)]);
+    }
+    let collide = joined("kind: Rope(length: 3), collide: true").unwrap();
+    assert_eq!(collide.description.excluded_pairs, []);
+}
+
+#[test]
+fn anchors_that_are_apart_at_the_start_are_warned_of() {
+    for (joint, says) in [
+        ("kind: Ball()", "3.000000 apart at the start, but it holds them in one place"),
+        ("kind: Rope(length: 2)", "3.000000 apart at the start, but its length is 2"),
+    ] {
+        let [warning] = &joined(joint).unwrap().warnings[..] else { panic!("{joint}") };
+        assert!(warning.starts_with("joint \"j\": its anchors are ") && warning.contains(says));
+    }
+}
+
+#[test]
+fn joints_that_are_wrong_are_refused_with_their_place() {
+    for (joint, says) in [
+        ("kind: Rope(length: 0)", "`length`: expected a finite number greater than 0, found 0"),
+        ("kind: Spring(length: 1, stiffness: 0)", "`stiffness`: expected a finite number greater"),
+        ("kind: Spring(length: 1)", "missing"),
+        ("kind: Ball(), target: 0.5", "joint \"j\": a Ball joint has no position to drive"),
+        ("kind: Rope(length: 3), motor: (velocity: 1)", "a Rope joint has no position to drive"),
+        ("kind: Fixed(), target: 0", "a Fixed joint has no position to drive"),
+    ] {
+        let error = joined(joint).unwrap_err().to_string();
+        assert!(error.contains("line 3, column ") && error.contains(says), "{joint}: {error}");
     }
 }
 

@@ -12,7 +12,7 @@ use super::conclusion::{about_pieces, ladder, paragraphs};
 use super::figures::MethodFigures;
 use super::motion::{Judged, Motion};
 use super::panel::Panel;
-use crate::args::{AccuracyArgs, InsteadArgs};
+use crate::args::{AccuracyArgs, InsteadArgs, SetArgs};
 use crate::compare::{self, RunFigures, figures, simulated};
 use crate::failure::Failure;
 use crate::page::Page;
@@ -64,7 +64,8 @@ impl PageSubject {
             (true, true) => vec![(Detector::Cranny, true)],
             (true, false) => Detector::ALL.map(|detector| (detector, true)).to_vec(),
         };
-        let instead = InsteadArgs { duration: args.duration, dt: None, seed: None };
+        let instead =
+            InsteadArgs { duration: args.duration, dt: None, seed: None, set: SetArgs::default() };
         let shown = Self {
             title: scene.description.name.replace('_', " "),
             source: format!(

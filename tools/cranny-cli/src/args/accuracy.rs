@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use cranny_estimate::Accuracy;
 
-use super::scene::seconds;
+use super::scene::{SetArgs, seconds};
 use super::{budget, level, scale};
 
 /// Arguments of `cranny accuracy`.
@@ -36,6 +36,9 @@ pub(crate) struct AccuracyArgs {
     /// Simulated time of a scene in seconds [default: the scene's `duration`]
     #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true, conflicts_with = "mesh_b")]
     pub(crate) duration: Option<f64>,
+
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
 
     /// Folder for the page, the tables and the charts; made if it is not there
     #[arg(long, value_name = "DIR")]

@@ -24,6 +24,21 @@ pub(crate) struct RobotArgs {
     /// The least distance between two links as well
     #[arg(long, requires = "configurations")]
     pub(crate) distance: bool,
+
+    /// Draw the robot as it collides; links that meet are red, with their names. Of
+    /// --configurations the first is drawn, or the one that --at names
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) render: Option<PathBuf>,
+
+    /// The configuration that is drawn, from 0
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "render",
+        requires = "configurations",
+        default_value = "0"
+    )]
+    pub(crate) at: usize,
 }
 
 const ROBOT_NOTES: &str = r#"Without --configurations: links, joints, masses, the pairs of links that are checked, and what was mended
@@ -48,4 +63,5 @@ Links without collision geometry take no part; where no link has any, visual mes
 Examples:
   cranny robot panda.urdf
   echo '[{}, {"panda_joint2": 1.2}]' > q.json
-  cranny robot panda.urdf --configurations q.json --srdf panda.srdf --distance"#;
+  cranny robot panda.urdf --configurations q.json --srdf panda.srdf --distance
+  cranny robot panda.urdf --configurations q.json --render panda.png --at 1"#;

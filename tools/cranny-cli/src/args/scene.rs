@@ -6,16 +6,40 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use cranny_ecs::PictureQuality;
 use cranny_estimate::Accuracy;
+use cranny_scene::{LoadOptions, Setting};
 
 use super::{StepBudget, level, step_budget};
 
+/// What of a scene is set otherwise than its file says.
+#[derive(Debug, Default, Args)]
+pub(crate) struct SetArgs {
+    /// A value in place of the scene's, as the file would say it; may be given several times. PATH
+    /// leads from field to field, to elements of lists by name, kind or number from 0, and to
+    /// coordinates: gravity.z=-1.6, bodies.nut.material.friction=0.1, 'groups.piece.kind=Fixed'
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) settings: Vec<Setting>,
+}
+
+impl SetArgs {
+    /// For a scene whose seed may be replaced.
+    pub(crate) fn load_options(&self, seed: Option<u64>) -> LoadOptions {
+        LoadOptions { seed, settings: self.settings.clone() }
+    }
+}
+
 /// Arguments of `cranny check`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  cranny check assets/scenes/ring_of_tori.ron")]
+#[command(after_help = "\
+Examples:
+  cranny check assets/scenes/ring_of_tori.ron
+  cranny check assets/scenes/mixed_pile.ron --set gravity.z=-1.6")]
 pub(crate) struct CheckArgs {
     /// Scene file; the meshes and robots that it names are read as well
     #[arg(value_name = "SCENE.ron")]
     pub(crate) scene: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
 }
 
 /// Arguments of `cranny explain`.
@@ -25,6 +49,9 @@ pub(crate) struct ExplainArgs {
     /// Scene file
     #[arg(value_name = "SCENE.ron")]
     pub(crate) scene: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
 
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
@@ -51,6 +78,16 @@ pub(crate) struct InsteadArgs {
     /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
+
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
+}
+
+impl InsteadArgs {
+    /// How the scene is read.
+    pub(crate) fn load_options(&self) -> LoadOptions {
+        self.set.load_options(self.seed)
+    }
 }
 
 /// Arguments of `cranny run`.
@@ -174,6 +211,7 @@ Examples:
   cranny run assets/scenes/ring_of_tori.ron --preview tori.png
   cranny run assets/scenes/nut_on_bolt.ron --detector rapier-trimesh --duration 2 --format json
   cranny run assets/scenes/robot_arm.ron --record arm.mcap
+  cranny run assets/scenes/mixed_pile.ron --set gravity.z=-1.6 --set groups.piece.material=(friction:0)
   cranny run assets/scenes/budgeted_triggers.ron --budget unlimited";
 
 /// Arguments of `cranny compare`.
@@ -224,6 +262,7 @@ milliseconds: on a busy machine trust medians, not means):
   energy         most gained over the start, and gained at the end (negative: lost), in percent of
                  what moved
   left           bodies that left the world: a box about all bodies where they were put, grown by its own diagonal
+  moved          how far the body is from where it was put that moved farthest
   links          rings linked at the start that stayed so
   screw          of the first nut on its bolt: turns, and how far off the helix at most
 With --format json a row is a line, with everything that is known of it.

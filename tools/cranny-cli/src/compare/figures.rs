@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use cranny_ecs::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LeftSummary,
-    LinkSummary, PairsFound, PartedSummary, RunSummary,
+    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
 };
 use serde::Serialize;
 
@@ -61,6 +61,8 @@ pub(crate) struct RunFigures {
     pub(super) energy_drift: Option<f64>,
     /// Bodies that left the world.
     pub(crate) left: Vec<LeftSummary>,
+    /// The body that moved farthest from where it was put.
+    pub(super) farthest: Option<MotionSummary>,
     pub(super) links: Option<LinkSummary>,
     pub(super) helices: Vec<HelixSummary>,
     pub(super) state_hash: Option<String>,
@@ -98,6 +100,12 @@ impl Spread {
     }
 }
 
+/// How far a body has moved.
+fn way(motion: &MotionSummary) -> f64 {
+    let [x, y, z] = motion.displacement;
+    x.hypot(y).hypot(z)
+}
+
 fn share_carried(found: PairsFound) -> Option<f64> {
     let all = found.carried.mean + found.searched.mean;
     (all > 0.0).then(|| found.carried.mean / all)
@@ -130,6 +138,7 @@ impl RunFigures {
             energy: None,
             energy_drift: None,
             left: Vec::new(),
+            farthest: None,
             links: None,
             helices: Vec::new(),
             state_hash: None,
@@ -146,6 +155,7 @@ impl RunFigures {
             row.energy = summary.energy;
             row.energy_drift = summary.energy_drift;
             row.left = summary.left;
+            row.farthest = summary.motion.into_iter().max_by(|a, b| way(a).total_cmp(&way(b)));
             row.links = summary.links;
             row.helices = summary.helices;
             row.state_hash = Some(summary.state_hash);
@@ -204,6 +214,7 @@ impl RunFigures {
                 0 => String::new(),
                 left => left.to_string(),
             },
+            reported(self.farthest.as_ref().map(way), 3),
             self.links_kept().unwrap_or_default(),
             reported(helix.map(|h| h.turns), 3),
             reported(helix.map(|h| h.deviation_max), 4),
@@ -212,7 +223,7 @@ impl RunFigures {
 }
 
 /// Headings of the columns, in two lines; the first column is a name, the others are numbers.
-const HEADINGS: [[&str; 2]; 19] = [
+const HEADINGS: [[&str; 2]; 20] = [
     ["", "detector"],
     ["ready", "s"],
     ["", "steps"],
@@ -229,6 +240,7 @@ const HEADINGS: [[&str; 2]; 19] = [
     ["energy %", "gained"],
     ["", "at end"],
     ["bodies", "left"],
+    ["moved", "farthest"],
     ["links", "kept"],
     ["screw", "turns"],
     ["", "off helix"],
@@ -304,6 +316,11 @@ pub(crate) fn notes(rows: &[RunFigures]) -> Vec<String> {
         if let Some(LeftSummary { body, step }) = row.left.iter().min_by_key(|left| left.step) {
             notes.push(format!("{name}: {body} left the world after {step} steps"));
         }
+        if let Some(motion) = &row.farthest {
+            let [x, y, z] = motion.displacement;
+            let body = &motion.body;
+            notes.push(format!("{name}: {body} moved farthest, by ({x:.3}, {y:.3}, {z:.3})"));
+        }
         for helix in row.helices.iter().skip(1) {
             notes.push(format!(
                 "{name}: {} on {}: {:.3} turns, {:.4} off the helix",
@@ -319,7 +336,7 @@ pub(super) fn csv(rows: &[RunFigures]) -> String {
     let mut text = String::from(
         "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
          step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,carried_share,deepest,contained_steps,\
-         energy_drift,energy_loss,left,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
+         energy_drift,energy_loss,left,moved_farthest,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
     );
     for row in rows {
         let Setting { detector, recycling, substeps, prepared_s } = &row.setting;
@@ -346,6 +363,7 @@ pub(super) fn csv(rows: &[RunFigures]) -> String {
             cell(row.energy_drift),
             cell(row.energy.as_ref().map(|e| e.loss)),
             cell(row.steps_counted().then_some(row.left.len())),
+            cell(row.farthest.as_ref().map(way)),
             cell(links.map(|l| l.at_start)),
             cell(links.map(|l| l.parted.len())),
             cell(helix.map(|h| h.turns)),
@@ -415,6 +433,25 @@ mod tests {
         let columns = csv.lines().next().unwrap().split(',').count();
         assert_eq!(csv.lines().nth(1).unwrap().split(',').count(), columns);
         assert_eq!(steps_csv(&rows).lines().count(), 3);
+    }
+
+    #[test]
+    fn the_body_that_moved_farthest_is_named_with_its_way() {
+        let mut rows = vec![row(Detector::RapierTrimesh, true, &[1.0])];
+        let wheel = MotionSummary {
+            body: "wheel".to_owned(),
+            displacement: [3.0, 4.0, -12.0],
+            axis: None,
+            turns: None,
+        };
+        rows[0].farthest = Some(wheel);
+        let reported = text(&rows);
+        assert!(reported.contains("farthest") && reported.contains("13.000"), "{reported}");
+        let said = "rapier-trimesh: wheel moved farthest, by (3.000, 4.000, -12.000)";
+        assert!(reported.contains(said), "{reported}");
+        let csv = csv(&rows);
+        let column = csv.lines().next().unwrap().split(',').position(|c| c == "moved_farthest");
+        assert_eq!(csv.lines().nth(1).unwrap().split(',').nth(column.unwrap()), Some("13"));
     }
 
     #[test]

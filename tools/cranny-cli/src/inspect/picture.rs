@@ -8,22 +8,15 @@ mod enclosed;
 mod envelope;
 mod findings;
 
-use std::fmt::Display;
 use std::path::Path;
 
 use cranny_concavity::Concavities;
 use cranny_geometry::{Finding, Model};
-use cranny_render::{
-    Camera, DrawList, DrawMeshError, ImageSize, Preset, RenderError, Renderer, RendererOptions,
-};
+use cranny_render::{DrawList, DrawMeshError};
 
 use crate::args::{Show, Up};
-use crate::failure::Failure;
-use crate::progress;
+use crate::picture::{self, Trouble};
 use canvas::Canvas;
-
-/// Width and height in pixels.
-const SIZE: [u32; 2] = [1280, 960];
 
 /// What is drawn, and how it stands.
 #[derive(Clone, Copy, Debug)]
@@ -32,14 +25,6 @@ pub(super) struct View {
     pub(super) show: Show,
     /// Which axis of the model points up.
     pub(super) up: Up,
-}
-
-/// Why there is no picture.
-pub(super) enum Trouble {
-    /// No graphics adapter that could draw: the work goes on without.
-    NoGraphics(String),
-    /// Everything else.
-    Failed(Failure),
 }
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
@@ -66,30 +51,13 @@ pub(super) fn draw(
     view: View,
     path: &Path,
 ) -> Result<Vec<String>, Trouble> {
-    let waiting = progress::spinner(format!("drawing {}", path.display()));
-    let mut renderer = match Renderer::new(&RendererOptions::default()) {
-        Ok(renderer) => renderer,
-        Err(error @ RenderError::UnknownBackend { .. }) => {
-            return Err(Trouble::Failed(Failure::input(error)));
-        }
-        Err(error) => return Err(Trouble::NoGraphics(error.to_string())),
-    };
-    let failed = |error: &dyn Display| {
-        Trouble::Failed(Failure::run(format!("picture {}: {error}", path.display())))
-    };
-    let size = ImageSize::new(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
-    let (list, legend) =
-        draw_list(model, concavities, findings, view).map_err(|error| failed(&error))?;
-    let camera =
-        Camera::fitted_to(Preset::Isometric, &list, size).map_err(|error| failed(&error))?;
-    tracing::info!("{}: drawing with {}", path.display(), renderer.adapter_name());
-    let image = renderer.render(&list, &camera, size).map_err(|error| failed(&error))?;
-    image.save_png(path).map_err(|error| {
-        let advice = "Check the folder, its rights and its space, or choose another.";
-        Trouble::Failed(Failure::run(format!("picture: {error}. {advice}")))
+    let mut said = Vec::new();
+    picture::draw(path, || {
+        let (list, legend) = draw_list(model, concavities, findings, view)?;
+        said = legend;
+        Ok(list)
     })?;
-    waiting.finish_and_clear();
-    Ok(legend)
+    Ok(said)
 }
 
 fn draw_list(
@@ -114,7 +82,7 @@ mod tests {
     use super::*;
     use cranny_exact::DVec3;
     use cranny_geometry::{BuildOptions, Mesh};
-    use cranny_render::{Color, palette};
+    use cranny_render::{Camera, Color, ImageSize, Preset, Renderer, RendererOptions, palette};
     use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
 
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {

@@ -122,6 +122,9 @@ impl JointDescription {
             JointKind::Revolute { axis, limits: None } => ("continuous", Some(axis)),
             JointKind::Prismatic { axis, .. } => ("prismatic", Some(axis)),
             JointKind::Planar { normal } => ("planar", Some(normal)),
+            JointKind::Ball => ("ball", None),
+            JointKind::Rope { .. } => ("rope", None),
+            JointKind::Spring(_) => ("spring", None),
             JointKind::Floating => ("floating", None),
         };
         let follows = joint

@@ -82,6 +82,47 @@ fn repairs_and_findings_are_reported_with_their_faces() {
 }
 
 #[test]
+fn bodies_that_overlap_at_the_start_are_named_with_their_depth() {
+    let folder = Folder::new();
+    let check = |effects: &str, more: &str| {
+        let scene = folder.write(
+            "s.ron",
+            format!(
+                r#"(bodies: [
+                    (name: "floor", shape: Generator(Cuboid(size: (9, 9, 1))), kind: Fixed),
+                    (name: "sunk", shape: Generator(Cuboid()), pose: (at: (0, 0, 0.75))),
+                    (name: "on", shape: Generator(Cuboid()), pose: (at: (3, 0, 1))),
+                    (name: "marble", shape: Primitive(Ball(radius: 0.5)), pose: (at: (-3, 0, 0.9))),
+                    (name: "pea", shape: Generator(Cuboid(size: (0.1, 0.1, 0.1))), pose: (at: (0, 0, 1))),
+                    (name: "ghost", shape: Generator(Cuboid()), sensor: true, effects: [Trigger()]),
+                ], effects: [{effects}], {more})"#
+            ),
+        );
+        let checked = &run(&["check", &scene, "--format", "json"]).json_lines()[0];
+        checked["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|w| w.as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    let found = check("Response()", "");
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(
+        found[0].starts_with("\"sunk\" and \"pea\" are one wholly within the other"),
+        "{found:?}"
+    );
+    assert!(
+        found[1].starts_with("\"floor\" and \"sunk\" overlap by 0.250000 at the start"),
+        "{found:?}"
+    );
+    assert!(found[2].starts_with("\"floor\" and \"marble\" overlap by 0.100000"), "{found:?}");
+    let apart = check("Response()", r#"pairs: [(a: "sunk", b: "floor", collide: false)]"#);
+    assert_eq!(apart.len(), 2, "{apart:?}");
+    assert_eq!(check("Trigger()", ""), Vec::<String>::new(), "nothing is pushed");
+}
+
+#[test]
 fn the_picture_is_written_whole_or_reported_as_skipped() {
     let folder = Folder::new();
     let mesh = folder.mesh("l.obj", &LPrism::default().build().unwrap());

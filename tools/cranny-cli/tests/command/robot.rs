@@ -88,6 +88,55 @@ fn a_robot_is_described() {
 }
 
 #[test]
+fn the_picture_shows_the_configuration_and_marks_links_that_meet() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let q = folder.write("q.json", r#"[{"slide": 2.5}, {"slide": 0.5}]"#);
+    let reds = |name: &str, more: &[&str]| {
+        let picture = folder.path(name);
+        let found = run(&[&["robot", &urdf, "--render", picture.to_str().unwrap()], more].concat());
+        assert_eq!(found.code, Some(0), "{found:?}");
+        let is_drawn = picture.exists();
+        assert_eq!(
+            found.stdout.contains("drawn: ") && !is_drawn,
+            found.stdout.contains("not drawn")
+        );
+        is_drawn.then(|| reds_of(&picture))
+    };
+    let of_first = reds("first.png", &["--configurations", &q]);
+    let of_second = reds("second.png", &["--configurations", &q, "--at", "1"]);
+    // At rest the sledge is at its limit, in the post.
+    let at_rest = reds("rest.png", &[]);
+    let Some(((first, second), rest)) = of_first.zip(of_second).zip(at_rest) else {
+        println!("skipped: no graphics adapter");
+        return;
+    };
+    assert!(first == 0 && second > 5_000 && rest > 5_000, "{first} {second} {rest}");
+}
+
+/// Pixels of a picture that are red.
+fn reds_of(picture: &std::path::Path) -> usize {
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(picture).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let samples = info.color_type.samples();
+    let is_red = |p: &&[u8]| p[0] > 100 && p[1] < p[0] / 3 && p[2] < p[0] / 3;
+    pixels.chunks_exact(samples).filter(is_red).count()
+}
+
+#[test]
+fn a_picture_that_cannot_be_is_refused() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let q = folder.write("q.json", "[{}, {}]");
+    run(&["robot", &urdf, "--render", "r.jpg"]).assert_refused(2, &["--render r.jpg", ".png"]);
+    run(&["robot", &urdf, "--render", &urdf]).assert_refused(2, &["rails.urdf", "it is the input"]);
+    let args = ["robot", &urdf, "--configurations", &q, "--render", "r.png", "--at", "2"];
+    run(&args).assert_refused(2, &["--at 2", "the last configuration is 1"]);
+}
+
+#[test]
 fn what_is_no_robot_and_no_configuration_is_refused() {
     let folder = Folder::new();
     let urdf = robot(&folder);

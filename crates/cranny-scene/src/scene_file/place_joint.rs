@@ -1,0 +1,121 @@
+//! Joints in scenes: the bodies that they join, and whether their anchors fit together.
+
+use cranny_exact::Pose;
+use cranny_world::description::{JointDescription, JointKind, Resistance, Spring};
+
+use super::assemble::Assembly;
+use super::place_robot::motor_of;
+use super::problem::{SceneError, SceneProblem};
+use super::syntax::{JointFile, JointKindFile};
+use super::values::Finite;
+
+/// By how much anchors that a joint holds in one place may be apart at the start, as a share of the
+/// smaller body's diagonal, without a warning. Smaller: digits that were left out are warned of;
+/// larger: a jerk in the first step comes without one.
+const FITS: f64 = 1e-3;
+
+impl Assembly<'_> {
+    pub(super) fn joint(&mut self, joint: &JointFile) -> Result<(), SceneError> {
+        let ends = [self.index_of("parent", &joint.parent)?, self.index_of("child", &joint.child)?];
+        let [parent, child] = ends;
+        let kind = joint_kind(joint, ends).map_err(|what| self.refused_joint(joint, what))?;
+        let whose = format!("joint {:?}", joint.name);
+        let [parent_anchor, child_anchor] =
+            [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
+        let apart = self.apart_at_start(ends, [parent_anchor, child_anchor], &kind);
+        self.warnings.extend(apart.map(|apart| format!("{whose}: {apart}")));
+        if !joint.collide {
+            self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
+        }
+        self.description.joints.push(JointDescription {
+            name: joint.name.clone(),
+            parent,
+            child,
+            parent_anchor,
+            child_anchor,
+            kind,
+            mimic: None,
+            motor: motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
+            resistance: Resistance::default(),
+            reduced: false,
+            start: 0.0,
+        });
+        Ok(())
+    }
+
+    fn refused_joint(&self, joint: &JointFile, what: String) -> SceneError {
+        let what = format!("joint {:?}: {what}", joint.name);
+        let place = self.source.find("name", &joint.name);
+        self.source.error(place, SceneProblem::Contradiction(what))
+    }
+
+    /// What is to be known of anchors that are farther apart than the joint lets them be.
+    fn apart_at_start(
+        &self,
+        ends: [usize; 2],
+        anchors: [Pose; 2],
+        kind: &JointKind,
+    ) -> Option<String> {
+        let bodies = ends.map(|end| &self.description.bodies[end]);
+        let [a, b] = [0, 1].map(|i| bodies[i].pose.compose(&anchors[i]).translation);
+        let (apart, sizes) = (a.distance(b), bodies.map(|b| b.collision.bounds().diagonal()));
+        let most = match kind {
+            JointKind::Rope { length } => *length,
+            JointKind::Fixed | JointKind::Revolute { .. } | JointKind::Ball => 0.0,
+            _ => return None,
+        };
+        let held = if most > 0.0 {
+            format!("its length is {most}")
+        } else {
+            "it holds them in one place".to_owned()
+        };
+        (apart > most + FITS * sizes[0].min(sizes[1])).then(|| {
+            format!("its anchors are {apart:.6} apart at the start, but {held}: the first steps pull them together with a jerk. Move a body or an anchor")
+        })
+    }
+}
+
+/// The motions that a joint leaves free.
+///
+/// # Errors
+///
+/// What contradicts itself, in words.
+fn joint_kind(joint: &JointFile, [parent, child]: [usize; 2]) -> Result<JointKind, String> {
+    if parent == child {
+        return Err("it joins a body to itself".to_owned());
+    }
+    let kind = match joint.kind {
+        JointKindFile::Fixed {} => JointKind::Fixed,
+        JointKindFile::Revolute { axis, limits } => {
+            JointKind::Revolute { axis: axis.0, limits: ordered(limits)? }
+        }
+        JointKindFile::Prismatic { axis, limits } => {
+            JointKind::Prismatic { axis: axis.0, limits: ordered(limits)? }
+        }
+        JointKindFile::Ball {} => JointKind::Ball,
+        JointKindFile::Rope { length } => JointKind::Rope { length: length.0 },
+        JointKindFile::Spring { length, stiffness, damping } => JointKind::Spring(Spring {
+            length: length.0,
+            stiffness: stiffness.0,
+            damping: damping.0,
+        }),
+    };
+    let driven = joint.target.is_some() || joint.motor.is_some();
+    if driven && !kind.has_position() {
+        return Err(format!(
+            "a {} joint has no position to drive. Leave `target` and `motor` out",
+            kind.name()
+        ));
+    }
+    Ok(kind)
+}
+
+fn ordered(limits: Option<[Finite; 2]>) -> Result<Option<[f64; 2]>, String> {
+    let limits = limits.map(|limits| limits.map(|limit| limit.0));
+    match limits {
+        Some([low, high]) if low > high => {
+            Err(format!("its lower limit, {low}, is above its upper one, {high}"))
+        }
+        _ => Ok(limits),
+    }
+}

@@ -1,0 +1,130 @@
+//! Bodies that overlap where a scene begins, and that a solver then drives apart.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use cranny_exact::{Aabb, Pose};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
+use cranny_world::description::{BodyDescription, BodyKind, Effect, SceneDescription};
+
+/// Depth up to which an overlap is not told of, as a share of the smaller body's diagonal. Smaller:
+/// bodies that stand on each other by rounded coordinates are named; larger: a jerk in the first
+/// step comes without a warning.
+const SHALLOW: f64 = 1e-4;
+
+/// Overlaps that are listed.
+const LISTED: usize = 8;
+
+/// A sentence for each pair that overlaps, the deepest first.
+pub(super) fn at_start(scene: &SceneDescription) -> Vec<String> {
+    let shapes = Shapes::of(scene);
+    let mut found: Vec<(f64, String)> = pairs(scene, &shapes.boxes)
+        .filter_map(|(a, b)| {
+            let depth = shapes.depth(scene, a, b)?;
+            let [a, b] = [a, b].map(|body| &scene.bodies[body].name);
+            Some((depth, format!("{a:?} and {b:?} {}", words(depth))))
+        })
+        .collect();
+    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let more = found.len().saturating_sub(LISTED);
+    let listed = found.into_iter().take(LISTED).map(|(_, sentence)| sentence);
+    let rest = (more > 0).then(|| format!("{more} more pairs overlap at the start"));
+    listed.chain(rest).collect()
+}
+
+fn words(depth: f64) -> String {
+    let advice = "the solver drives them apart. Move one, or say `collide: false` for the pair";
+    match depth.is_finite() {
+        true => format!("overlap by {depth:.6} at the start: {advice}"),
+        false => format!("are one wholly within the other at the start: {advice}"),
+    }
+}
+
+/// Pairs that a solver keeps apart and whose boxes overlap.
+fn pairs<'a>(
+    scene: &'a SceneDescription,
+    boxes: &'a [Aabb],
+) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let excluded: BTreeSet<_> = scene.excluded_pairs.iter().copied().collect();
+    let all = (0..scene.bodies.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    all.filter(move |&(a, b)| {
+        boxes[a].overlaps(&boxes[b])
+            && !excluded.contains(&(a, b))
+            && responds(scene, [a, b].map(|body| &scene.bodies[body]))
+    })
+}
+
+/// Whether a solver keeps two bodies apart.
+fn responds(scene: &SceneDescription, [a, b]: [&BodyDescription; 2]) -> bool {
+    let of_pair = scene.pairs.iter().filter(|pair| {
+        [&pair.a, &pair.b] == [&a.name, &b.name] || [&pair.a, &pair.b] == [&b.name, &a.name]
+    });
+    let of_pair = of_pair.flat_map(|pair| &pair.effects);
+    let mut named = scene.effects.iter().chain(&a.effects).chain(&b.effects).chain(of_pair);
+    let moves = [a, b].iter().any(|body| body.kind == BodyKind::Dynamic);
+    let meet = a.layers.iter().any(|layer| b.layers.contains(layer));
+    moves && meet && !a.sensor && !b.sensor && named.any(|effect| *effect == Effect::Response)
+}
+
+/// What collides of each body, and where; of a mesh that cannot be prepared, nothing: a run says
+/// why.
+struct Shapes {
+    shapes: Vec<Option<BodyShape>>,
+    boxes: Vec<Aabb>,
+}
+
+impl Shapes {
+    fn of(scene: &SceneDescription) -> Self {
+        let mut known: Vec<(Arc<Mesh>, Option<BodyShape>)> = Vec::new();
+        let shapes: Vec<_> = scene.bodies.iter().map(|body| shape(body, &mut known)).collect();
+        let bounds = |(body, shape): (&BodyDescription, &Option<BodyShape>)| {
+            let map = body.pose.world_from_body();
+            shape
+                .as_ref()
+                .map_or_else(|| map.bounds(&body.collision.bounds()), |shape| shape.bounds(&map))
+        };
+        let boxes = scene.bodies.iter().zip(&shapes).map(bounds).collect();
+        Self { shapes, boxes }
+    }
+
+    /// How deep two bodies overlap, if deep enough to tell; infinite where one lies in the other.
+    fn depth(&self, scene: &SceneDescription, a: usize, b: usize) -> Option<f64> {
+        let placed = |body: usize| {
+            let pose: Pose = scene.bodies[body].pose;
+            self.shapes[body].as_ref().map(|shape| PlacedShape { shape, pose })
+        };
+        let question = Query::of(Demand::Regions { margin: 0.0 });
+        let answer =
+            query_shapes(placed(a)?, placed(b)?, &question, &mut PairMemory::default()).ok()?;
+        let diagonal = |body: usize| scene.bodies[body].collision.bounds().diagonal();
+        let depth = depth_of(&answer);
+        (depth > SHALLOW * diagonal(a).min(diagonal(b))).then_some(depth)
+    }
+}
+
+fn depth_of(answer: &Answer) -> f64 {
+    let of_regions = answer.regions.iter().filter_map(|region| region.depth);
+    let of_contacts = answer.contacts.iter().map(|contact| -contact.separation);
+    let known = of_regions.chain(of_contacts).fold(0.0, f64::max);
+    if answer.contained.is_some() && known <= 0.0 { f64::INFINITY } else { known }
+}
+
+fn shape(
+    body: &BodyDescription,
+    known: &mut Vec<(Arc<Mesh>, Option<BodyShape>)>,
+) -> Option<BodyShape> {
+    if let Some(shape) = &body.shape {
+        return Some(shape.clone());
+    }
+    let mesh = &body.collision;
+    if let Some((_, shape)) = known.iter().find(|(other, _)| Arc::ptr_eq(other, mesh)) {
+        return shape.clone();
+    }
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    let built = Model::build(Mesh::clone(mesh), &options).ok();
+    let shape = built.map(|(model, _)| BodyShape::from(model));
+    known.push((Arc::clone(mesh), shape.clone()));
+    shape
+}

@@ -1,0 +1,57 @@
+//! Joints of scenes, as they hold in a run.
+
+use crate::harness::{Folder, run};
+
+/// A lamp on a slack rope, a bob on a spring, and a rod that a ball joint holds by its upper end.
+const SCENE: &str = r#"(
+    gravity: (0, 0, -10), step: 0.002, duration: 6,
+    bodies: [
+        (name: "ceiling", shape: Generator(Cuboid(size: (9, 9, 1))), kind: Fixed),
+        (name: "lamp", shape: Generator(Cuboid()), pose: (at: (-3, 0, -2))),
+        (name: "bob", shape: Generator(Cuboid()), pose: (at: (0, 0, -2))),
+        (name: "rod", shape: Generator(Cuboid(size: (0.2, 0.2, 2))), pose: (at: (3, 0, -2))),
+    ],
+    joints: [
+        (name: "rope", parent: "ceiling", child: "lamp", parent_anchor: (at: (-3, 0, 0)), kind: Rope(length: 3)),
+        (name: "coil", parent: "ceiling", child: "bob", kind: Spring(length: 2, stiffness: 40, damping: 12)),
+        (name: "hook", parent: "ceiling", child: "rod", parent_anchor: (at: (3, 0, -1)),
+         child_anchor: (at: (0, 0, 1)), kind: Ball()),
+    ],
+    effects: [Response()],
+)"#;
+
+#[test]
+fn ropes_springs_and_balls_hold_what_hangs_on_them() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    let summary = &run(&["run", &scene, "--format", "json"]).json_lines()[0];
+    let height = |body: &str| {
+        let motion = summary["motion"].as_array().unwrap();
+        let motion = motion.iter().find(|motion| motion["body"] == body);
+        motion.map_or(0.0, |motion| motion["displacement"][2].as_f64().unwrap())
+    };
+    assert!((height("lamp") + 1.0).abs() < 0.01, "{summary}");
+    // Weight over stiffness: 10 / 40.
+    assert!((height("bob") + 0.25).abs() < 0.01, "{summary}");
+    assert!(height("rod").abs() < 0.01, "{summary}");
+    // What the spring takes up is no loss of the bob's before it is damped, and never a gain.
+    assert!(summary["energy_drift"].as_f64().unwrap() < 0.02, "{summary}");
+}
+
+#[test]
+fn a_rod_on_a_ball_joint_swings_through_and_gains_no_energy() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    let tilted = [
+        "--set",
+        "bodies.rod.pose=(at: (3.7071067811865475, 0, -1.7071067811865475), euler_degrees: (0, -45, 0))",
+        "--set",
+        "duration=1",
+    ];
+    let arguments = [&["run", &scene, "--format", "json"], &tilted[..]].concat();
+    let summary = &run(&arguments).json_lines()[0];
+    let rod = summary["motion"].as_array().unwrap().iter().find(|motion| motion["body"] == "rod");
+    let moved = rod.unwrap()["displacement"][0].as_f64().unwrap();
+    assert!(moved < -0.5, "it swings through: {moved}");
+    assert!(summary["energy_drift"].as_f64().unwrap() < 0.02, "{summary}");
+}
