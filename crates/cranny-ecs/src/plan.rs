@@ -228,7 +228,7 @@ impl Plan {
 
 #[cfg(feature = "rapier")]
 fn exact_solver(world: &World) -> bool {
-    world.get_resource::<crate::solved::RigidBodies>().is_some_and(|bodies| bodies.is_exact())
+    world.get_resource::<crate::solved::RigidBodies>().is_some_and(|bodies| bodies.hands_over())
 }
 
 #[cfg(not(feature = "rapier"))]

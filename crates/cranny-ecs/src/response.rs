@@ -124,9 +124,10 @@ impl Plugin for ResponsePlugin {
         let read_now = reading.clone();
         simulation
             .read_by(move |a, b| read_now.lock().unwrap_or_else(PoisonError::into_inner).of(a, b));
-        let exact = self.options.detector == Detection::Cranny && !self.options.detects_beside;
+        let detection = self.options.detector;
+        let hands_over = detection == Detection::Cranny && !self.options.detects_beside;
         app.insert_resource(Gravity(self.gravity));
-        app.insert_resource(RigidBodies::new(simulation, reading, exact));
+        app.insert_resource(RigidBodies::new(simulation, reading, detection, hands_over));
         solved::observe(app);
         app.configure_sets(
             CrannyStep,
@@ -156,9 +157,9 @@ impl Plugin for ResponsePlugin {
             ),
         );
         (self.add_step)(app);
-        app.world_mut().resource_mut::<Tally>().depths_known |= exact;
+        app.world_mut().resource_mut::<Tally>().depths_known |= hands_over;
         let presses = app.world().resource::<EffectTable>().names(EffectKind::Trigger);
-        let supplies = exact && self.detection_present;
+        let supplies = hands_over && self.detection_present;
         if presses || supplies {
             let supply = ResponseSystems::Supply.in_set(DetectionSystems::Supply);
             app.configure_sets(CrannyStep, supply);
@@ -203,7 +204,7 @@ impl Stepping<'_> {
         }
         let (bodies, times) = (&mut *self.bodies, &mut *self.times);
         let changed = self.readers.as_ref().filter(|readers| readers.is_changed());
-        if let Some(readers) = changed.filter(|_| bodies.is_exact()) {
+        if let Some(readers) = changed.filter(|_| bodies.hands_over()) {
             bodies.reading().fields = readers.fields();
         }
         bodies.begin();
@@ -218,7 +219,7 @@ impl Stepping<'_> {
         times.narrow += timings.narrow;
         times.report += timings.reading;
         times.solver += (spent - timings.broad - timings.narrow - timings.reading).max(0.0);
-        if bodies.is_exact() {
+        if bodies.hands_over() {
             let start = Instant::now();
             bodies.collect_answers();
             times.report += 1e3 * start.elapsed().as_secs_f64();

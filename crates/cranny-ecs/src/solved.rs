@@ -18,7 +18,8 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
 use cranny_rapier::{
-    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation, SimulationError,
+    BodyIndex, Detector as Detection, Energy, JointIndex, MassSource, PairContacts, Simulation,
+    SimulationError,
 };
 use cranny_world::description::{BodyKind, Effect, Normals};
 use cranny_world::{BodyId, Layers};
@@ -59,7 +60,9 @@ pub struct RigidBodies {
     reading: Arc<Mutex<Reading>>,
     /// Whether `reading` knows all bodies and effects.
     reading_is_current: bool,
-    is_exact: bool,
+    detection: Detection,
+    /// Whether what the detector found is handed to whoever reads.
+    hands_over: bool,
     /// `None` before the first step.
     energy: Option<EnergyRange>,
     /// At the end of the last step.
@@ -187,10 +190,15 @@ impl RigidBodies {
         self.index(body).map(|index| self.simulation.center_of_mass(index))
     }
 
-    /// Whether the solver's own detector gives exact answers, to whoever reads them.
+    /// Whether the solver's own detector gives exact answers.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.is_exact
+        self.detection == Detection::Cranny
+    }
+
+    /// Whether they are handed to whoever reads them.
+    pub(crate) fn hands_over(&self) -> bool {
+        self.hands_over
     }
 
     /// Energies since the first step.
@@ -205,7 +213,8 @@ impl RigidBodies {
     pub(crate) fn new(
         simulation: Simulation,
         reading: Arc<Mutex<Reading>>,
-        is_exact: bool,
+        detection: Detection,
+        hands_over: bool,
     ) -> Self {
         Self {
             simulation,
@@ -215,7 +224,8 @@ impl RigidBodies {
             answered_at: BTreeMap::new(),
             reading,
             reading_is_current: false,
-            is_exact,
+            detection,
+            hands_over,
             energy: None,
             energy_left: Energy::default(),
             asked: None,

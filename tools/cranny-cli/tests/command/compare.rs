@@ -44,6 +44,8 @@ fn all_detectors_run_the_same_scene_and_are_judged_alike() {
         assert!(row["step_ms"]["mean"].as_f64().unwrap() > 0.0, "{row}");
     }
     assert!(rows.iter().any(|row| row["deepest"]["depth"].as_f64().unwrap() > 0.0), "{rows:?}");
+    let shares: Vec<bool> = rows.iter().map(|row| row["carried_share"].is_number()).collect();
+    assert_eq!(shares, [true, false, false, false], "only ours carries contacts on: {rows:?}");
     assert_eq!(rows[0]["recycling"], true);
     assert_eq!(rows[1]["recycling"], true);
     // What is compared is what `run` does.
