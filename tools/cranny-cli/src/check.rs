@@ -3,6 +3,7 @@
 mod overlaps;
 
 use cranny_ecs::check_effects;
+use cranny_world::description::{BodyKind, Effect, SceneDescription};
 use serde::Serialize;
 
 use crate::args::{CheckArgs, Format};
@@ -39,7 +40,8 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
     check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
-    let warnings = [scene.warnings.clone(), overlaps::at_start(what)].concat();
+    let mut warnings = [scene.warnings.clone(), overlaps::at_start(what)].concat();
+    warnings.extend(without_motion(what));
     let summary = CheckSummary {
         version: 1,
         scene: args.scene.display().to_string(),
@@ -58,6 +60,19 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
         Format::Json => output.json(&summary),
         Format::Text => output.line(&text(&summary)),
     }
+}
+
+/// That dynamic bodies stand still, where nothing makes them respond.
+fn without_motion(scene: &SceneDescription) -> Option<String> {
+    let dynamic = scene.bodies.iter().filter(|body| body.kind == BodyKind::Dynamic).count();
+    let responds = scene.all_effects().any(|effect| matches!(effect, Effect::Response));
+    (dynamic > 0 && !responds).then(|| {
+        format!(
+            "no effect asks for Response(): nothing moves {} that are Dynamic. The effects of \
+             included scenes do not count",
+            counted(dynamic, "body")
+        )
+    })
 }
 
 fn text(summary: &CheckSummary) -> String {

@@ -124,7 +124,7 @@ pub enum MeshFileError {
     },
     /// The extension names no known format.
     #[error(
-        "mesh file {}: its extension {extension:?} names no mesh format known here. Known extensions are .obj, .stl, .ply, .off, .gltf, .glb and .dae; convert the file, or rename it where its content is one of these. (A saved model, .cranny, is read by the command where it asks for a mesh; scenes name the mesh file that it came from.)",
+        "mesh file {}: its extension {extension:?} names no mesh format known here. Known extensions are .obj, .stl, .ply, .off, .gltf, .glb and .dae; convert the file, or rename it where its content is one of these. (A saved model, .cranny, is read where a whole model is asked for: as a command's mesh, and as the path of a body.)",
         path.display()
     )]
     UnknownExtension {

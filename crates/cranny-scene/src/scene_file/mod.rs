@@ -23,6 +23,7 @@
 //! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble`
 //! makes the description of it, `locate` gives an error its line and column.
 
+mod advice;
 mod assemble;
 mod body_syntax;
 mod effect;

@@ -11,6 +11,7 @@ use std::str::FromStr;
 use ron::Value;
 use thiserror::Error;
 
+use super::advice::advised;
 use super::locate::{Token, tokens};
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{default_of_vector, options};
@@ -59,7 +60,7 @@ impl FromStr for Setting {
         }
         let refused = |why| SettingError::NoSuchValue { value: value.trim().to_owned(), why };
         let read = options().from_str::<Value>(value);
-        read.map_err(|error| refused(error.code.to_string()))?;
+        read.map_err(|error| refused(advised(&error.code)))?;
         Ok(Self { steps, value: without_outer_comments(value), written: written.to_owned() })
     }
 }

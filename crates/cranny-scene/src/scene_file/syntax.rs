@@ -10,6 +10,7 @@ use ron::Error;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
+use super::advice::advised;
 use super::body_syntax::{
     BodyFile, KindFile, MaterialFile, NormalsFile, PoseFile, ShapeFile, all_layers,
 };
@@ -407,7 +408,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
         // What the reader says of a value does not name its field.
         let field = field_before(text, start).filter(|_| matches!(error.code, Error::Message(_)));
         let said = field.map_or(String::new(), |field| format!("`{field}`: "));
-        let problem = SceneProblem::Syntax(said + &error.code.to_string());
+        let problem = SceneProblem::Syntax(said + &advised(&error.code));
         located(path, text, Some(start..end.max(start)), problem)
     })
 }

@@ -148,7 +148,10 @@ fn errors_name_line_column_and_what_was_expected() {
             "line 1, column",
             "expected a finite number greater than 0, found 0",
         ),
-        ("step: 0.01", "step: \"x\"", "line 1, column", "Expected f"),
+        ("step: 0.01", "step: \"x\"", "line 1, column", "Expected float. A number is written"),
+        ("at: (0, 0, 20)", "at: 20", "line 3, column", "written as `(0, 0, -9.81)`"),
+        ("at: (0, 0, 20)", "at: (0, 0, 2,5)", "line 3, column", "numbers have a decimal point"),
+        ("Cup()", "12", "line 5, column", "\"12\" is no name, and a choice stands here"),
         ("duration: 2", "duration: -2", "line 1, column", "at least 0, found -2"),
         (
             "0, 0, 0.6, 0.8",
