@@ -18,8 +18,7 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
 use cranny_rapier::{
-    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation,
-    SimulationError,
+    BodyIndex, Energy, JointIndex, MassSource, PairContacts, Simulation, SimulationError,
 };
 use cranny_world::description::{BodyKind, Effect, Normals};
 use cranny_world::{BodyId, Layers};
@@ -194,7 +193,8 @@ impl RigidBodies {
         self.is_exact
     }
 
-    /// Energies since the first step.
+    /// Energies since the first step of a [`SceneApp`](crate::SceneApp). Other apps do not sum them
+    /// up: then the present energy is all that it tells.
     #[must_use]
     pub fn energy(&self) -> EnergyRange {
         self.energy.unwrap_or_else(|| EnergyRange::starting(self.simulation.energy()))
@@ -293,7 +293,7 @@ impl RigidBodies {
 
     /// Energies count from the first step on. What an app has changed since the step before, as by
     /// a body that came, is no gain and no loss.
-    pub(crate) fn begin(&mut self) {
+    pub(crate) fn begin_energy(&mut self) {
         let now = self.simulation.energy();
         match &mut self.energy {
             Some(energy) if self.energy_left != now => energy.shift(self.energy_left, now),
@@ -324,7 +324,8 @@ impl RigidBodies {
         }
     }
 
-    /// Joints that motors hold, or held.
+    /// Joints that motors hold, or held, since the first step of a [`SceneApp`](crate::SceneApp);
+    /// empty in other apps.
     pub fn held_joints(&self) -> impl Iterator<Item = (Entity, HeldJoint)> {
         self.held.iter().map(|(&entity, &held)| (entity, held))
     }
