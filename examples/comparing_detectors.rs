@@ -1,5 +1,5 @@
-//! One scene, all detectors: a ring is let go over a post that fits into its hole. Exact contacts
-//! let it down to the floor, as triangles do; what convex pieces make of it is measured. All are
+//! One scene, all detectors: a ring is let go over a post that fits into its hole. Contacts of the
+//! meshes let it down to the floor; convex pieces of them close the hole and hold it up. All are
 //! judged alike, by exact answers beside the solver.
 //!
 //! `cargo run --example comparing_detectors --features ecs,rapier`
