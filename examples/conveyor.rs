@@ -14,7 +14,6 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::Cuboid;
-use cranny::world::description::Effect;
 
 /// How the surface of a body moves, world axes.
 #[derive(Component)]

@@ -13,7 +13,6 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::{Floor, Sphere};
-use cranny::world::description::Effect;
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Its triangles are smaller than the dent will be.

@@ -13,7 +13,6 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::{Cuboid, Cup};
-use cranny::world::description::Effect;
 
 #[derive(Component)]
 struct Lift;

@@ -17,7 +17,6 @@ use cranny::ecs::prelude::*;
 use cranny::exact::DVec3;
 use cranny::geometry::{BuildOptions, Mesh, Model};
 use cranny::shapes::{Boxes, Cuboid, Cup, Cylinder, GolfBall};
-use cranny::world::description::Effect;
 
 const STEP: f64 = 1.0 / 240.0;
 const RADIUS: f64 = 0.1;

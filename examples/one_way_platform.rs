@@ -14,7 +14,6 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::{Cuboid, Sphere};
-use cranny::world::description::Effect;
 
 #[derive(Component)]
 struct OneWay;

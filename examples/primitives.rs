@@ -15,7 +15,6 @@ use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::exact::DVec3;
 use cranny::shapes::Lathe;
-use cranny::world::description::Effect;
 
 const STEP: f64 = 1.0 / 240.0;
 

@@ -13,7 +13,6 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::{Cuboid, Sphere};
-use cranny::world::description::Effect;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let floor = Collider::from_mesh(Cuboid { size: [60.0, 8.0, 1.0] }.build()?)?;

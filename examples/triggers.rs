@@ -15,7 +15,6 @@ use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::shapes::{Cylinder, Sphere, Torus};
-use cranny::world::description::Effect;
 
 const STEP: f64 = 1.0 / 120.0;
 

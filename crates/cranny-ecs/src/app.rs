@@ -124,7 +124,7 @@ impl SceneApp {
         let total = step_count(scene.step, scene.duration)?;
         let inputs: Vec<&Path> = options.inputs.iter().map(PathBuf::as_path).collect();
         check_outputs(&outputs(options), &inputs)?;
-        let plugins = CrannyPlugins::from_scene(&scene, &options.plugins)?;
+        let plugins = CrannyPlugins::from_scene(&scene, &options.plugins)?.summed_up();
         #[cfg_attr(
             not(any(feature = "record", feature = "render")),
             expect(unused_mut, reason = "recordings and pictures add what they write")
@@ -180,6 +180,8 @@ impl SceneApp {
         // It cannot fail: the system takes nothing that could be missing.
         let _ = world.run_system_cached(message_update_system);
         world.run_schedule(schedule);
+        // So do removals, which are kept for `RemovedComponents` until somebody clears them.
+        world.clear_trackers();
         self.wall += start.elapsed();
         self.check()
     }

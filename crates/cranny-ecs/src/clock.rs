@@ -10,7 +10,9 @@ use serde::Serialize;
 /// One step: everything from the poses at its beginning to the poses at its end.
 ///
 /// Run it by [`SceneApp::step`](crate::SceneApp::step), by
-/// [`FixedUpdatePlugin`](crate::FixedUpdatePlugin), or with `World::run_schedule`.
+/// [`FixedUpdatePlugin`](crate::FixedUpdatePlugin), or with `World::run_schedule`. In an app that
+/// never calls `App::update`, call `World::clear_trackers` after it, or removals of components are
+/// kept for ever.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CrannyStep;
 

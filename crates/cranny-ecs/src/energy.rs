@@ -1,6 +1,31 @@
-//! Mechanical energy over a run.
+//! Mechanical energy over a run, and how well motors held their joints.
 
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
 use cranny_rapier::Energy;
+
+use crate::clock::CrannyStep;
+use crate::response::ResponseSystems;
+use crate::solved::{self, RigidBodies};
+
+/// Follows what a summary tells of the solver: a sum over all bodies at both ends of each step.
+pub(crate) struct EnergyPlugin;
+
+impl Plugin for EnergyPlugin {
+    fn build(&self, app: &mut App) {
+        let begin = begin_energy.in_set(ResponseSystems::Sync).after(solved::push_gravity);
+        app.add_systems(CrannyStep, (begin, follow_energy.in_set(ResponseSystems::Tally)));
+    }
+}
+
+fn begin_energy(mut bodies: ResMut<RigidBodies>) {
+    bodies.begin_energy();
+}
+
+fn follow_energy(mut bodies: ResMut<RigidBodies>) {
+    bodies.note_energy();
+    bodies.note_joints();
+}
 
 /// Total mechanical energy over a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -104,7 +104,7 @@ pub use contacts::{
 };
 #[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
-pub use cranny_world::description::Accuracy;
+pub use cranny_world::description::{Accuracy, Effect, StatedMass};
 pub use cranny_world::{BodyId, ContactFields, PairEstimate, Verdict};
 #[cfg(feature = "rapier")]
 pub use deformation::{DeformationPlugin, DeformationSystems, Dented};
@@ -189,12 +189,13 @@ pub mod prelude {
         Accuracy, AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider,
         Collision, CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
         Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Deformation,
-        Density, EffectAccuracy, EffectKind, ExternalForce, ExternalImpulse, Failure,
-        FixedUpdatePlugin, ForceFeedback, ForceFeedbackReport, Friction, GravityScale, Joint,
-        LinearVelocity, LockedAxes, NeverMeet, PairAccuracy, Penetration, PenetrationReport,
-        PluginOptions, Proximity, ProximityReport, ProximitySystems, Response, Restitution,
-        RigidBody, Sensor, SimulatedTime, SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter,
-        SpawnScene, StepSystems, TouchingBodies, TrackedPose, Tracker, Tracking, Trigger,
+        Density, DiagnosticsPlugin, Effect, EffectAccuracy, EffectKind, ExternalForce,
+        ExternalImpulse, Failure, FixedUpdatePlugin, ForceFeedback, ForceFeedbackReport, Friction,
+        GravityScale, Joint, LinearVelocity, LockedAxes, Mass, NeverMeet, PairAccuracy,
+        Penetration, PenetrationReport, PluginOptions, Proximity, ProximityReport,
+        ProximitySystems, Proxy, Response, Restitution, RigidBody, Sensor, SimulatedTime,
+        SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter, SpawnScene, StatedMass,
+        StepDiagnostics, StepSystems, TouchingBodies, TrackedPose, Tracker, Tracking, Trigger,
         TriggerSystems,
     };
     #[cfg(feature = "rapier")]

@@ -8,8 +8,8 @@ use bevy_ecs::schedule::graph::Direction;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, InternedSystemSet, NodeId, ScheduleLabel, Schedules, SystemKey,
 };
+use cranny_world::BodyId;
 use cranny_world::description::Normals;
-use cranny_world::{BodyId, ContactFields};
 use serde::Serialize;
 
 use crate::body::Bodies;
@@ -51,8 +51,8 @@ pub struct PlannedEffect {
     pub name: &'static str,
     /// Who asks: "the scene", "body 'nut'", "1 pair".
     pub asked_by: Vec<String>,
-    /// Of `Contacts`: who reads what of it, "the recording reads depth, points, regions". Empty for
-    /// the others.
+    /// Who reads what of it, "the recording reads depth, points, regions": of `Contacts` those that
+    /// subscribed, of the others what they end in.
     pub read_by: Vec<String>,
 }
 
@@ -87,6 +87,8 @@ pub struct PlannedPairs {
     pub effects: Vec<String>,
     /// What is computed: the union of what is read, "solver contacts" for the solver.
     pub fields: Vec<&'static str>,
+    /// Who reads which of it, "Trigger reads verdict"; of `Contacts` those that subscribed.
+    pub read_by: Vec<String>,
     /// At which level `Trigger` and `Proximity` are known, "caps"; `None` where the pair has
     /// neither.
     pub accuracy: Option<String>,
@@ -209,18 +211,14 @@ impl Plan {
             EFFECTS.iter().filter(|(name, _)| runs(name)).map(|&(name, _)| PlannedEffect {
                 name,
                 asked_by: asked_by(name, &table, &bodies),
-                read_by: if name == EffectKind::Contacts.name() {
-                    read_by(&readers)
-                } else {
-                    vec![]
-                },
+                read_by: effect_read_by(name, &table, &readers),
             });
         let absent = EFFECTS.iter().filter(|(name, _)| !runs(name));
         Ok(Self {
             effects: effects.collect(),
             absent: absent.map(|&(name, why)| AbsentEffect { name, why }).collect(),
             budget: table.budget(),
-            pairs: pairs(&table, &bodies, readers.fields(), exact_solver(world)),
+            pairs: pairs(&table, &bodies, &readers, exact_solver(world)),
             schedules,
         })
     }
@@ -309,20 +307,71 @@ fn asked_by(effect: &str, table: &EffectTable, bodies: &Bodies) -> Vec<String> {
 }
 
 fn read_by(readers: &ContactReaders) -> Vec<String> {
-    let told = |(name, fields): (&str, ContactFields)| {
-        format!("{name} reads {}", fields.names().collect::<Vec<_>>().join(", "))
-    };
-    readers.iter().map(told).collect()
+    readers.iter().map(|(name, fields)| told(name, fields.names())).collect()
 }
 
-/// Effects of a pair, fields computed for them, their level, the detector, and why.
-type Asked = (Vec<String>, Vec<&'static str>, Option<String>, &'static str, String);
+/// What is computed of a pair for an effect other than `Contacts`, whose readers say.
+fn fields_of(kind: EffectKind) -> &'static [&'static str] {
+    match kind {
+        EffectKind::Contacts => &[],
+        EffectKind::Trigger => &["verdict"],
+        EffectKind::Proximity => &["distance", "witnesses"],
+        EffectKind::Response => &["solver contacts"],
+        EffectKind::Continuous => &["time of impact"],
+        EffectKind::Penetration => &["depth and way out"],
+        EffectKind::Sound => &["impulse and slip"],
+        EffectKind::Deformation => &["impulse and dent"],
+        EffectKind::ForceFeedback => &["force and torque"],
+        EffectKind::Tracking => &["depth and gap"],
+    }
+}
+
+/// In what an effect ends: who reads what is computed for it.
+fn effect_read_by(name: &str, table: &EffectTable, readers: &ContactReaders) -> Vec<String> {
+    let Some(kind) = EffectKind::ALL.into_iter().find(|kind| kind.name() == name) else {
+        return Vec::new();
+    };
+    let ends = match kind {
+        EffectKind::Contacts => return read_by(readers),
+        EffectKind::Trigger => "CollisionStart, CollisionEnd and TouchingBodies",
+        EffectKind::Proximity => "ProximityReport",
+        EffectKind::Response => "the solver",
+        EffectKind::Continuous => "the solver",
+        EffectKind::Penetration => "PenetrationReport",
+        EffectKind::Sound => "SoundEvent and OngoingSounds",
+        EffectKind::Deformation => "Dented and the body's mesh",
+        EffectKind::ForceFeedback => "ForceFeedbackReport",
+        EffectKind::Tracking => "Trigger",
+    };
+    let verb = if ends.contains(" and ") { "read" } else { "reads" };
+    let mut all = vec![format!("{ends} {verb} {}", fields_of(kind).join(", "))];
+    if kind == EffectKind::Trigger && table.names(EffectKind::Response) {
+        all.push("CollisionStart reads point, normal, depth and impulse of the solver".to_owned());
+    }
+    all
+}
+
+/// "A reads b, c".
+fn told(reader: &str, fields: impl Iterator<Item = &'static str>) -> String {
+    format!("{reader} reads {}", fields.collect::<Vec<_>>().join(", "))
+}
+
+/// Of pairs of which the same is asked.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Asked {
+    effects: Vec<String>,
+    fields: Vec<&'static str>,
+    read_by: Vec<String>,
+    accuracy: Option<String>,
+    detected_by: &'static str,
+    why: String,
+}
 
 /// All pairs, grouped.
 fn pairs(
     table: &EffectTable,
     bodies: &Bodies,
-    read: ContactFields,
+    readers: &ContactReaders,
     exact_solver: bool,
 ) -> Vec<PlannedPairs> {
     let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
@@ -330,20 +379,20 @@ fn pairs(
     let pairs =
         ids.iter().enumerate().flat_map(|(i, &a)| ids[i + 1..].iter().map(move |&b| (a, b)));
     for (a, b) in pairs {
-        let key = group_of(table, bodies, [a, b], read, exact_solver);
+        let key = group_of(table, bodies, [a, b], readers, exact_solver);
         let (count, examples) = groups.entry(key).or_default();
         *count += 1;
         if examples.len() < EXAMPLES {
             examples.push([a, b].map(|id| bodies.name(id).to_owned()));
         }
     }
-    let mut pairs: Vec<PlannedPairs> =
-        groups
-            .into_iter()
-            .map(|((effects, fields, accuracy, detected_by, why), (count, examples))| {
-                PlannedPairs { count, effects, fields, accuracy, detected_by, why, examples }
-            })
-            .collect();
+    let mut pairs: Vec<PlannedPairs> = groups
+        .into_iter()
+        .map(|(asked, (count, examples))| {
+            let Asked { effects, fields, read_by, accuracy, detected_by, why } = asked;
+            PlannedPairs { count, effects, fields, read_by, accuracy, detected_by, why, examples }
+        })
+        .collect();
     pairs.sort_by_key(|group| std::cmp::Reverse(group.count));
     pairs
 }
@@ -385,13 +434,20 @@ fn group_of(
     table: &EffectTable,
     bodies: &Bodies,
     [a, b]: [BodyId; 2],
-    read: ContactFields,
+    readers: &ContactReaders,
     exact_solver: bool,
 ) -> Asked {
     if !table.may_meet(a, b) {
-        return (Vec::new(), Vec::new(), None, "nobody", table.why_apart(a, b).to_owned());
+        return Asked {
+            effects: Vec::new(),
+            fields: Vec::new(),
+            read_by: Vec::new(),
+            accuracy: None,
+            detected_by: "nobody",
+            why: table.why_apart(a, b).to_owned(),
+        };
     }
-    let (mut effects, mut fields) = (Vec::new(), Vec::new());
+    let (mut effects, mut fields, mut reads) = (Vec::new(), Vec::new(), Vec::new());
     let mut reasons: Vec<String> = Vec::new();
     for kind in EffectKind::ALL {
         let asked: Vec<AskedBy> = table
@@ -403,17 +459,12 @@ fn group_of(
         if asked.is_empty() || is_unread {
             continue;
         }
-        match kind {
-            EffectKind::Trigger => fields.push("verdict"),
-            EffectKind::Proximity => fields.push("distance"),
-            EffectKind::Contacts => fields.extend(read.names()),
-            EffectKind::Response => fields.push("solver contacts"),
-            EffectKind::Continuous => fields.push("time of impact"),
-            EffectKind::Penetration => fields.push("depth and way out"),
-            EffectKind::Sound => fields.push("impulse and slip"),
-            EffectKind::Deformation => fields.push("impulse and dent"),
-            EffectKind::ForceFeedback => fields.push("force and torque"),
-            EffectKind::Tracking => fields.push("depth and gap"),
+        if kind == EffectKind::Contacts {
+            fields.extend(readers.fields().names());
+            reads.extend(read_by(readers));
+        } else {
+            fields.extend(fields_of(kind));
+            reads.push(told(kind.name(), fields_of(kind).iter().copied()));
         }
         let smooth = exact_solver && is_smooth(bodies, [a, b]);
         effects.push(with_parameters(kind, table, [a, b], smooth));
@@ -444,5 +495,5 @@ fn group_of(
     let why =
         if reasons.is_empty() { "nobody asks for anything".to_owned() } else { reasons.join("; ") };
     let accuracy = table.accuracy_of(a, b).map(|level| level.to_string());
-    (effects, fields, accuracy, detected_by, why)
+    Asked { effects, fields, read_by: reads, accuracy, detected_by, why }
 }

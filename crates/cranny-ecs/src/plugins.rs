@@ -60,9 +60,9 @@ pub struct PluginOptions {
     /// pictures read is added to it, and nothing else is computed;
     /// [`ContactReaders`](crate::ContactReaders) changes it between steps.
     pub contact_fields: ContactFields,
-    /// Pairs whose screw motion is followed.
+    /// Pairs whose screw motion a [`SceneApp`](crate::SceneApp) follows for its summary.
     pub helices: Vec<Helix>,
-    /// Bodies of which those that are linked at the start are watched.
+    /// Bodies of which a [`SceneApp`](crate::SceneApp) watches those that are linked at the start.
     pub rings: Vec<Ring>,
     /// How many threads answer the pairs that the world detects; `None`: the caller's own. A solver
     /// detects its pairs in its own thread. More than one needs the feature `parallel`.
@@ -105,6 +105,8 @@ pub struct CrannyPlugins {
     available: Vec<EffectKind>,
     options: PluginOptions,
     scene: Option<SpawnScene>,
+    /// Whether a summary reads how bodies moved, energies, links and joints.
+    summed_up: bool,
     /// Whether devices of the scene's bodies are simulated.
     simulated_trackers: bool,
     /// Adds the system that makes the solver's step.
@@ -139,6 +141,7 @@ impl CrannyPlugins {
             available: Vec::new(),
             options: PluginOptions::default(),
             scene: None,
+            summed_up: false,
             simulated_trackers: false,
             #[cfg(feature = "rapier")]
             add_step: crate::response::add_step::<()>,
@@ -243,6 +246,11 @@ impl CrannyPlugins {
         let (gravity, accuracy, budget) = (scene.gravity, scene.accuracy, scene.budget);
         let scene = Some(spawn);
         Ok(Self { gravity, accuracy, budget, options, scene, simulated_trackers, ..plugins })
+    }
+
+    /// Follows what a summary reads of motion, energies, links and joints.
+    pub(crate) fn summed_up(self) -> Self {
+        Self { summed_up: true, ..self }
     }
 
     fn checked(self) -> Result<Self, SceneAppError> {
@@ -361,9 +369,15 @@ impl PluginGroup for CrannyPlugins {
         if let Some(scene) = self.scene {
             group = group.add(ScenePlugin { scene });
         }
-        group = group
-            .add(MotionPlugin { helices: self.options.helices.clone() })
-            .add(LinkPlugin { rings: self.options.rings.clone() });
+        if self.summed_up {
+            group = group
+                .add(MotionPlugin { helices: self.options.helices.clone() })
+                .add(LinkPlugin { rings: self.options.rings.clone() });
+            #[cfg(feature = "rapier")]
+            if effects.names(EffectKind::Response) {
+                group = group.add(crate::energy::EnergyPlugin);
+            }
+        }
         #[cfg(feature = "record")]
         if let Some(recording) = self.recording {
             group = group.add(recording);

@@ -207,7 +207,6 @@ impl Stepping<'_> {
         if let Some(readers) = changed.filter(|_| bodies.hands_over()) {
             bodies.reading().fields = readers.fields();
         }
-        bodies.begin();
         let start = Instant::now();
         if let Err(why) = stepped(bodies, &self.effects, hooks) {
             self.failure.set(SceneAppError::SolverPanicked { step: self.time.steps(), why });
@@ -295,11 +294,7 @@ fn press(
     }
 }
 
-fn tally_solver(
-    mut bodies: ResMut<RigidBodies>,
-    time: Res<SimulatedTime>,
-    mut tally: ResMut<Tally>,
-) {
+fn tally_solver(bodies: Res<RigidBodies>, time: Res<SimulatedTime>, mut tally: ResMut<Tally>) {
     tally.pairs.push(bodies.simulation().pair_count());
     let counts = bodies.simulation().pair_counts();
     tally.carried.push(counts.carried);
@@ -308,8 +303,6 @@ fn tally_solver(
     for (a, b, pair) in bodies.answers() {
         tally.note_depth(a, b, &pair.answer, time.steps());
     }
-    bodies.note_energy();
-    bodies.note_joints();
 }
 
 fn pull_transforms(

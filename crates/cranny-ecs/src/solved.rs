@@ -201,7 +201,8 @@ impl RigidBodies {
         self.hands_over
     }
 
-    /// Energies since the first step.
+    /// Energies since the first step of a [`SceneApp`](crate::SceneApp). Other apps do not sum them
+    /// up: then the present energy is all that it tells.
     #[must_use]
     pub fn energy(&self) -> EnergyRange {
         self.energy.unwrap_or_else(|| EnergyRange::starting(self.simulation.energy()))
@@ -302,7 +303,7 @@ impl RigidBodies {
 
     /// Energies count from the first step on. What an app has changed since the step before, as by
     /// a body that came, is no gain and no loss.
-    pub(crate) fn begin(&mut self) {
+    pub(crate) fn begin_energy(&mut self) {
         let now = self.simulation.energy();
         match &mut self.energy {
             Some(energy) if self.energy_left != now => energy.shift(self.energy_left, now),
@@ -333,7 +334,8 @@ impl RigidBodies {
         }
     }
 
-    /// Joints that motors hold, or held.
+    /// Joints that motors hold, or held, since the first step of a [`SceneApp`](crate::SceneApp);
+    /// empty in other apps.
     pub fn held_joints(&self) -> impl Iterator<Item = (Entity, HeldJoint)> {
         self.held.iter().map(|(&entity, &held)| (entity, held))
     }

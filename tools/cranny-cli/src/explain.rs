@@ -91,6 +91,7 @@ fn pairs(group: &PlannedPairs) -> String {
         let level = group.accuracy.as_ref().map_or(String::new(), |level| format!("; at {level}"));
         // Writing to a string cannot fail.
         let _ = write!(line, "\n      computed: {}{level}", group.fields.join(", "));
+        let _ = write!(line, "\n      {}", group.read_by.join("; "));
     }
     let named: Vec<String> = group.examples.iter().map(|[a, b]| format!("{a} and {b}")).collect();
     let more = if group.count > named.len() { ", ..." } else { "" };

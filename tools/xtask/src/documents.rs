@@ -15,6 +15,12 @@ const ARCHITECTURE_LINES: usize = 250;
 /// The most lines of a crate's README.
 const README_LINES: usize = 120;
 
+/// The most lines of an example, which shows one capability.
+const EXAMPLE_LINES: usize = 80;
+
+/// Examples that are whole programs, which show how capabilities go together.
+const WHOLE_PROGRAMS: [&str; 1] = ["examples/marble_run.rs"];
+
 /// Folders that hold no pages of ours.
 const FOREIGN: [&str; 3] = [".git", "target", "out"];
 
@@ -29,6 +35,7 @@ pub(crate) fn check(root: &Path) -> Result<(usize, Vec<Violation>), String> {
         let relative = path.strip_prefix(root).unwrap_or(path);
         if path.extension().is_some_and(|extension| extension == "rs") {
             violations.extend(comments::check(relative, &text));
+            violations.extend(check_example(&relative.display().to_string(), &text));
             continue;
         }
         let shown = relative.display().to_string();
@@ -80,6 +87,17 @@ fn check_length(file: &str, text: &str) -> Option<Violation> {
         rule: "page-length",
         found: format!("{lines} lines, at most {most}"),
         reason: "a newcomer reads this page: move what was tried, with its figures, to docs/notebook",
+    })
+}
+
+fn check_example(file: &str, text: &str) -> Option<Violation> {
+    let lines = text.lines().count();
+    let is_bound = file.starts_with("examples/") && !WHOLE_PROGRAMS.contains(&file);
+    (is_bound && lines >= EXAMPLE_LINES).then(|| Violation {
+        place: file.to_owned(),
+        rule: "example-length",
+        found: format!("{lines} lines, where fewer than {EXAMPLE_LINES} are allowed"),
+        reason: "an example shows one capability: leave out what it does not need, or split it",
     })
 }
 
@@ -195,6 +213,10 @@ mod tests {
         assert!(check_length("crates/a/README.md", &lines(README_LINES + 1)).is_some());
         assert!(check_length("ARCHITECTURE.md", &lines(ARCHITECTURE_LINES + 1)).is_some());
         assert!(check_length("CHANGELOG.md", &lines(1000)).is_none());
+        assert!(check_example("examples/a.rs", &lines(EXAMPLE_LINES - 1)).is_none());
+        assert!(check_example("examples/a.rs", &lines(EXAMPLE_LINES)).is_some());
+        assert!(check_example(WHOLE_PROGRAMS[0], &lines(EXAMPLE_LINES)).is_none());
+        assert!(check_example("crates/a/examples/a.rs", &lines(1000)).is_none());
     }
 
     #[test]

@@ -8,12 +8,12 @@ use bevy_app::App;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{InternedSystemSet, ScheduleLabel, Schedules};
+use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_narrow_phase::Counters;
 use cranny_shapes::Cup;
-use cranny_world::description::Effect;
 
-use crate::build::gate;
+use crate::build::{gate, unit};
 
 const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
 const PROXIMITY: Effect = Effect::proximity(0.5);
@@ -341,6 +341,29 @@ fn the_plan_tells_order_pairs_and_reasons() {
 }
 
 #[test]
+fn the_plan_names_who_reads_what_of_effects_and_pairs() {
+    let mut description = gate(&[Effect::TRIGGER, PROXIMITY, CONTACTS]);
+    let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+    let plan = app.plan().unwrap();
+    let of = |name: &str| plan.effects.iter().find(|e| e.name == name).unwrap().read_by.clone();
+    assert_eq!(of("Trigger"), ["CollisionStart, CollisionEnd and TouchingBodies read verdict"]);
+    assert_eq!(of("Proximity"), ["ProximityReport reads distance, witnesses"]);
+    assert!(of("Contacts").iter().any(|reads| reads.starts_with("the summary reads depth")));
+    let [pairs] = plan.pairs.as_slice() else { panic!("{:?}", plan.pairs) };
+    assert_eq!(
+        pairs.read_by[..2],
+        ["Trigger reads verdict", "Proximity reads distance, witnesses"]
+    );
+    assert_eq!(pairs.read_by[2..], of("Contacts"));
+    // Every field that is computed has its reader.
+    let mut fields = pairs.fields.iter();
+    assert!(fields.all(|field| pairs.read_by.iter().any(|reads| reads.contains(field))));
+    description.effects.clear();
+    let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+    assert!(app.plan().unwrap().pairs[0].read_by.is_empty());
+}
+
+#[test]
 fn no_concavity_is_made_for_a_scene_whose_effects_need_none() {
     // A cube goes through a cup's wall, across its well and out again.
     let mut scene = gate(&[Effect::TRIGGER, CONTACTS]);
@@ -353,4 +376,132 @@ fn no_concavity_is_made_for_a_scene_whose_effects_need_none() {
     }
     assert!(done.triangle_tests > 0, "{done:?}");
     assert_eq!((done.concavities_made, done.pockets_opened, done.pockets_passed), (0, 0, 0));
+}
+
+#[test]
+fn only_a_summary_has_motion_links_and_energies_followed() {
+    let effects = [Effect::TRIGGER, Effect::Response];
+    let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
+    let followed = ["motion::", "links::", "energy::"];
+    let of = |plan: &Plan| -> Vec<String> {
+        let all = names(plan).into_iter();
+        all.filter(|name| followed.iter().any(|module| name.starts_with(module))).collect()
+    };
+    let mut bare = App::new();
+    bare.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(effects).unwrap());
+    assert_eq!(of(&Plan::of(bare.world_mut()).unwrap()), Vec::<String>::new());
+    assert!(!bare.world().contains_resource::<MotionLog>());
+    let energies = ["energy::begin_energy", "energy::follow_energy"];
+    let energies = if cfg!(feature = "rapier") { &energies[..] } else { &[] };
+    let expected = [energies, &["motion::follow_motion"]].concat();
+    assert_eq!(of(&app(effects).plan().unwrap()), expected);
+}
+
+/// How often a settled app allocates in 32 steps.
+fn allocations(app: &mut App) -> u64 {
+    let mut step = || app.world_mut().run_schedule(CrannyStep);
+    (0..32).for_each(|_| step());
+    allocation_counter::measure(|| (0..32).for_each(|_| step())).count_total
+}
+
+/// Bodies that stand apart, or cross.
+fn bare(effects: &[Effect], kinds: &[EffectKind], apart: f32) -> App {
+    let mut app = App::new();
+    let plugins = CrannyPlugins::new(0.25).unwrap().effects(effects).unwrap();
+    app.add_plugins(plugins.available(kinds).unwrap());
+    for i in 0..5u8 {
+        let place = Transform::from_xyz(apart * f32::from(i), 0.0, 0.0);
+        app.world_mut().spawn((RigidBody::Kinematic, unit(), place));
+    }
+    app
+}
+
+#[test]
+fn steps_allocate_nothing_where_nothing_is_asked_or_found() {
+    assert_eq!(allocations(&mut bare(&[], &[], 0.25)), 0, "no effect");
+    let found = allocations(&mut bare(&[Effect::TRIGGER], &[], 0.25));
+    assert!(found > 0, "what is found is told in lists");
+    for effect in [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration] {
+        let count = allocations(&mut bare(&[effect], &[], 9.0));
+        assert_eq!(count, 0, "{} that finds nothing", effect.name());
+    }
+}
+
+#[test]
+fn no_test_is_made_of_pairs_about_which_nobody_asks() {
+    let kinds = [EffectKind::Trigger, EffectKind::Proximity, EffectKind::Contacts];
+    let mut app = bare(&[], &kinds, 0.25);
+    let mut tests = |asks: bool| {
+        let world = app.world_mut();
+        if asks {
+            let first = world.resource::<Bodies>().get(BodyId(0)).unwrap().entity;
+            world.entity_mut(first).insert(Trigger);
+        }
+        world.run_schedule(CrannyStep);
+        let report = world.resource::<Detected>().report.clone().unwrap();
+        (report.stats.queried_pairs, report.stats.counters.tests() > 0)
+    };
+    assert_eq!(tests(false), (0, false), "all overlap, and nobody asks");
+    assert_eq!(tests(true), (4, true), "one asks, about its four pairs");
+}
+
+/// Bytes that it takes to admit a sphere.
+fn admitted(effects: &[Effect], smooth: bool) -> u64 {
+    let sphere = cranny_shapes::Sphere::default().build().unwrap();
+    let sphere = Collider::from_mesh(sphere).unwrap();
+    let mut app = App::new();
+    app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(effects).unwrap());
+    let world = app.world_mut();
+    (0..2).for_each(|_| world.run_schedule(CrannyStep));
+    let mut body = world.spawn((RigidBody::Kinematic, sphere));
+    if smooth {
+        body.insert(SmoothNormals { crease_angle: 0.5 });
+    }
+    let mut admit = || world.run_schedule(CrannyStep);
+    allocation_counter::measure(&mut admit).bytes_total
+}
+
+#[test]
+fn smooth_normals_are_made_for_a_solver_alone() {
+    for effect in [Effect::TRIGGER, CONTACTS, PROXIMITY] {
+        let [flat, smooth] = [false, true].map(|smooth| admitted(&[effect], smooth));
+        // A component more is a table of entities more.
+        assert!(smooth < flat + 6_000, "{}: {flat} {smooth}", effect.name());
+    }
+    if cfg!(feature = "rapier") {
+        let [flat, smooth] = [false, true].map(|smooth| admitted(&[Effect::Response], smooth));
+        assert!(smooth > flat + 10_000, "{flat} {smooth}");
+    }
+}
+
+/// Of these components, those that an app knows after a step.
+macro_rules! known {
+    ($app:expr; $($component:ident),+) => {
+        [$((stringify!($component), $app.world().component_id::<$component>())),+]
+            .into_iter()
+            .filter_map(|(name, id)| id.map(|_| name))
+            .collect::<Vec<_>>()
+    };
+}
+
+#[test]
+fn no_component_of_any_effect_exists_where_none_is_named() {
+    let mut app = bare(&[], &[], 0.25);
+    app.world_mut().run_schedule(CrannyStep);
+    // What asks for an effect, and what effects give.
+    let asking = known!(app; Trigger, Proximity, Contacts, Penetration, Response, Continuous, Sound,
+        Deformation, ForceFeedback, Tracking, EffectAccuracy, PairAccuracy);
+    assert_eq!(asking, [""; 0]);
+    let given = known!(app; TouchingBodies, BodyContacts, Tracker, SimulatedTracker);
+    assert_eq!(given, [""; 0]);
+    #[cfg(feature = "rapier")]
+    {
+        let solved = known!(app; SolverBody, Friction, Restitution, Density, Mass, GravityScale,
+            LockedAxes, ExternalForce, ExternalImpulse, Joint);
+        assert_eq!(solved, [""; 0]);
+    }
+    let mut app = bare(&[Effect::TRIGGER, CONTACTS], &[], 0.25);
+    app.world_mut().run_schedule(CrannyStep);
+    let given = known!(app; TouchingBodies, BodyContacts, Tracker, SimulatedTracker);
+    assert_eq!(given, ["TouchingBodies", "BodyContacts"]);
 }

@@ -13,6 +13,8 @@ mod detection;
 mod entities;
 mod fixed_update;
 mod force_feedback;
+#[cfg(all(feature = "rapier", feature = "scene"))]
+mod hashes;
 mod levels;
 mod links;
 mod parts;

@@ -1,0 +1,126 @@
+//! States to the bit: the same in every profile, and by a file or by code.
+
+use std::path::PathBuf;
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use cranny_ecs::*;
+use cranny_exact::DVec3;
+use cranny_scene::load_scene;
+use cranny_world::description::{JointDescription, Normals, SceneDescription};
+
+/// State hashes of scenes of `assets/` after so many seconds. A change of what is computed replaces
+/// them; `cranny run SCENE --duration SECONDS --format json` of a release build tells the same.
+const HASHES: [(&str, f64, &str); 5] = [
+    ("robot_arm", 0.25, "f97a641fb33bd7fa6edd08fda1b8736f9a0896b53e3d4f3fd61af08099a3a314"),
+    ("mixed_pile", 0.1, "607c425a06a386e14c2ee9a2200f3cec4ff43419803216cdb17df85b12083f4b"),
+    ("stack_of_cups", 0.25, "081b19cc0d157633036dc7b18fb05cba0040eccf01f0d07a4f36fff7969a7509"),
+    (
+        "nut_under_gravity_smooth",
+        0.1,
+        "599778b6e014733864394a8a81602625388a4545f883c62163e6d57e6acd5d3d",
+    ),
+    ("budgeted_triggers", 0.5, "00f40a0fd3461149f72b6bb1895b11d265732e4d665ca85ace10397f1c50f081"),
+];
+
+fn scene(name: &str) -> SceneDescription {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+    let loaded = load_scene(&folder.join(format!("{name}.ron")));
+    loaded.unwrap_or_else(|error| panic!("{error}")).description
+}
+
+#[test]
+fn scenes_end_in_the_stored_states_in_every_profile() {
+    let ends = HASHES.map(|(name, seconds, _)| {
+        let options = RunOptions { duration: Some(seconds), ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene(name), &options).unwrap();
+        while app.step().unwrap() {}
+        (name, seconds, app.finish().unwrap().state_hash)
+    });
+    let stored = HASHES.map(|(name, seconds, hash)| (name, seconds, hash.to_owned()));
+    assert_eq!(ends, stored);
+}
+
+fn vec3(v: DVec3) -> Vec3 {
+    Vec3::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+/// Spawns by components what a file described, as an app would that builds it by code.
+fn spawn(world: &mut World, scene: &SceneDescription) {
+    let mut bodies = Vec::new();
+    for body in &scene.bodies {
+        let collider = match &body.shape {
+            Some(shape) => Collider::from(shape.clone()),
+            None => Collider::from_mesh((*body.collision).clone()).unwrap(),
+        };
+        let mut entity = world.spawn((
+            RigidBody::from(body.kind),
+            collider,
+            transform_of(&body.pose),
+            LinearVelocity(vec3(body.linear_velocity)),
+            AngularVelocity(vec3(body.angular_velocity)),
+            Friction::new(body.material.friction as f32),
+            Restitution::new(body.material.restitution as f32),
+            Density(body.material.density),
+        ));
+        if let Some(mass) = body.mass {
+            entity.insert(Mass(mass));
+        }
+        if let Normals::Smooth { crease_angle } = body.normals {
+            entity.insert(SmoothNormals { crease_angle });
+        }
+        assert!(body.effects.is_empty() && body.path.is_none() && !body.sensor, "{}", body.name);
+        bodies.push(entity.id());
+    }
+    let joints: Vec<Entity> = scene.joints.iter().map(|_| world.spawn_empty().id()).collect();
+    let number = |name: &str| scene.joints.iter().position(|joint| joint.name == name).unwrap();
+    for (joint, &entity) in scene.joints.iter().zip(&joints) {
+        let JointDescription { parent_anchor, child_anchor, motor, resistance, .. } = *joint;
+        let follows = joint.mimic.as_ref().map(|mimic| Follows {
+            joint: joints[number(&mimic.joint)],
+            multiplier: mimic.multiplier,
+            offset: mimic.offset,
+        });
+        world.entity_mut(entity).insert(Joint {
+            parent_anchor,
+            child_anchor,
+            kind: joint.kind,
+            motor,
+            resistance,
+            follows,
+            reduced: joint.reduced,
+            start: joint.start,
+            ..Joint::fixed(bodies[joint.parent], bodies[joint.child])
+        });
+    }
+    for &(a, b) in &scene.excluded_pairs {
+        world.spawn((NeverMeet, BodyPair { a: bodies[a], b: bodies[b] }));
+    }
+}
+
+#[test]
+fn a_robot_and_a_pile_end_in_the_same_state_by_file_and_by_code() {
+    const STEPS: usize = 40;
+    for name in ["robot_arm", "mixed_pile", "stack_of_cups"] {
+        let scene = scene(name);
+        let length_unit = Some(0.01);
+        let plugins = PluginOptions { length_unit, ..PluginOptions::default() };
+        let options = RunOptions { plugins: plugins.clone(), ..RunOptions::default() };
+        let mut by_file = SceneApp::new(&scene, &options).unwrap();
+        let start = state_hash(by_file.app().world());
+        let mut by_code = App::empty();
+        let added = CrannyPlugins::new(scene.step).unwrap().options(&plugins);
+        by_code.add_plugins(added.gravity(scene.gravity).effects(&scene.effects).unwrap());
+        let world = by_code.world_mut();
+        spawn(world, &scene);
+        for _ in 0..STEPS {
+            assert!(by_file.step().unwrap());
+            world.run_schedule(CrannyStep);
+        }
+        assert!(!world.resource::<Failure>().is_set());
+        let ends = [by_file.app().world(), &*world].map(state_hash);
+        assert_eq!(ends[0], ends[1], "{name}");
+        assert_ne!(ends[0], start, "{name} moves");
+    }
+}
