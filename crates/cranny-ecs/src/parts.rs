@@ -16,13 +16,20 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_primitives::BodyShape;
+use cranny_world::description::Effect;
 
-use crate::admission::Noted;
+use crate::admission::{Noted, become_part};
 use crate::body::{Bodies, Body, pose_of};
-use crate::collider::Collider;
-use crate::effect_components::Trigger;
+use crate::collider::{Collider, VisualMesh};
+use crate::effect_components::{EffectAccuracy, effects_of};
 use crate::error::{Failure, SceneAppError};
-use crate::properties::{RigidBody, Sensor};
+use crate::paths::FollowsPath;
+use crate::properties::{
+    AngularDamping, AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse,
+    Friction, GravityScale, LinearDamping, LinearVelocity, LockedAxes, Mass, Restitution,
+    RigidBody, Sensor, SmoothNormals,
+};
+use crate::tracking::Tracker;
 
 /// Beside a [`Collider`] that is a part of another entity's body: which one. A step inserts it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,6 +158,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
         if let Some(&part) =
             path.last().filter(|part| world.get::<ColliderOf>(**part) != Some(&ColliderOf { body }))
         {
+            become_part(world, part);
             world.entity_mut(part).insert(ColliderOf { body });
         }
     }
@@ -158,17 +166,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
     let name = name.unwrap_or_else(|| body.to_string());
     let refused = |why: String| SceneAppError::Parts { body: name.clone(), why };
     for part in below.iter().filter_map(|path| path.last().copied()) {
-        let rule = [
-            world.get::<Sensor>(part).map(|_| "Sensor"),
-            world.get::<Trigger>(part).map(|_| "Trigger"),
-        ];
-        if let Some(rule) = rule.into_iter().flatten().next() {
-            return Err(refused(format!(
-                "one of them has a {rule} of its own, but all are one body. Put {rule} beside the \
-                 RigidBody, or make that collider a body of its own, a fixed one or one held by a \
-                 fixed joint"
-            )));
-        }
+        check_rules(world.entity(part)).map_err(refused)?;
     }
     if let [(BodyShape::Primitive(primitive), place)] = &parts[..] {
         let moved = primitive.moved(&pose_of(place).world_from_body());
@@ -184,6 +182,33 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
     };
     world.resource_mut::<MergedModels>().join(body, key, model.clone());
     Ok(Some(model.into()))
+}
+
+macro_rules! rules {
+    ($($rule:ident)+) => { &[$((stringify!($rule), |part| part.contains::<$rule>())),+] };
+}
+
+/// Whether a part has a component.
+type HasRule = fn(&EntityRef<'_>) -> bool;
+
+/// What counts for a whole body, beside the effects: at a part of one it would be passed over.
+const RULES: &[(&str, HasRule)] = rules!(
+    Sensor EffectAccuracy Friction Restitution Density Mass GravityScale LinearDamping
+    AngularDamping LockedAxes ExternalForce ExternalImpulse LinearVelocity AngularVelocity
+    CollisionLayers SmoothNormals VisualMesh Tracker FollowsPath
+);
+
+/// Fails if a part of a body says something of its own that counts for the whole body.
+fn check_rules(part: EntityRef<'_>) -> Result<(), String> {
+    let rule = RULES.iter().find(|(_, has)| has(&part)).map(|(name, _)| *name);
+    let Some(rule) = rule.or_else(|| effects_of(part).first().map(Effect::name)) else {
+        return Ok(());
+    };
+    let name = part.get::<Name>().map_or_else(|| part.id().to_string(), ToString::to_string);
+    Err(format!(
+        "'{name}' has a {rule} of its own, but all are one body. Put {rule} beside the RigidBody, \
+         or make that collider a body of its own, a fixed one or one held by a fixed joint"
+    ))
 }
 
 /// The parts, where all are meshes.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
 use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
@@ -12,11 +13,11 @@ use cranny_world::ContactFields;
 use cranny_world::description::{Accuracy, BodyDescription, BodyKind, Effect, SceneDescription};
 
 use crate::admission::{AdmissionPlugin, admit_bodies};
-use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
+use crate::clock::{ClockPlugin, CoreSystems, CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::contacts::ContactsPlugin;
 use crate::detection::DetectionPlugin;
 use crate::effects::{EffectKind, EffectTable};
-use crate::error::{Failure, SceneAppError};
+use crate::error::{Failure, SceneAppError, hand_on_failure};
 use crate::force_feedback::ForceFeedbackPlugin;
 use crate::kinematics::KinematicsPlugin;
 use crate::levels::{check_app_levels, check_levels};
@@ -102,6 +103,8 @@ pub struct CrannyPlugins {
     scene: Option<SpawnScene>,
     /// Whether devices of the scene's bodies are simulated.
     simulated_trackers: bool,
+    /// Whether the app looks at [`Failure`] by itself.
+    keeps_failures: bool,
     /// Adds the system that makes the solver's step.
     #[cfg(feature = "rapier")]
     add_step: fn(&mut App),
@@ -135,6 +138,7 @@ impl CrannyPlugins {
             options: PluginOptions::default(),
             scene: None,
             simulated_trackers: false,
+            keeps_failures: false,
             #[cfg(feature = "rapier")]
             add_step: crate::response::add_step::<()>,
             #[cfg(feature = "record")]
@@ -207,6 +211,13 @@ impl CrannyPlugins {
         for<'w, 's> bevy_ecs::system::SystemParamItem<'w, 's, H>: crate::hooks::CollisionHooks,
     {
         Self { add_step: crate::response::add_hooked_step::<H>, ..self }
+    }
+
+    /// For an app that looks at [`Failure`] after each step by itself. Without it what fails goes
+    /// to bevy's error handler, which panics unless the app has set another one.
+    #[must_use]
+    pub fn keep_failures(self) -> Self {
+        Self { keeps_failures: true, ..self }
     }
 
     /// How plugins are built.
@@ -302,7 +313,7 @@ impl PluginGroup for CrannyPlugins {
         .map(named);
         let detects = trigger || proximity || contacts || penetration;
         let clock = ClockPlugin { step: self.step };
-        let core = CorePlugin { effects: effects.clone() };
+        let core = CorePlugin { effects: effects.clone(), keeps_failures: self.keeps_failures };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
         let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(core);
         group = group.add(AdmissionPlugin).add(KinematicsPlugin).add(PathPlugin);
@@ -439,12 +450,18 @@ fn typical_size(scene: &SceneDescription, shapes: &[BodyShape]) -> f64 {
 /// The effect table, sums, what failed.
 struct CorePlugin {
     effects: EffectTable,
+    keeps_failures: bool,
 }
 
 impl Plugin for CorePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Failure>().init_resource::<Tally>();
+        let failure = if self.keeps_failures { Failure::kept() } else { Failure::default() };
+        app.insert_resource(failure).init_resource::<Tally>();
         app.insert_resource(self.effects.clone());
+        for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            let last = hand_on_failure.in_set(CoreSystems::Failure).after(StepSystems::Advance);
+            app.add_systems(label, last);
+        }
     }
 }
 
@@ -478,9 +495,13 @@ impl Plugin for FixedUpdatePlugin {
     }
 }
 
-fn run_step(world: &mut World) {
-    // A failure stays for the app to see; going on would hide it behind its consequences.
-    if !world.get_resource::<Failure>().is_some_and(Failure::is_set) {
-        world.run_schedule(CrannyStep);
+fn run_step(world: &mut World) -> Result<(), BevyError> {
+    if let Some(mut failure) = world.get_resource_mut::<Failure>() {
+        failure.hand_on()?; // what failed as plugins were added
+        if failure.is_set() {
+            return Ok(()); // what follows are consequences
+        }
     }
+    world.run_schedule(CrannyStep);
+    Ok(())
 }

@@ -15,6 +15,8 @@ mod fixed_update;
 mod force_feedback;
 mod levels;
 mod links;
+#[cfg(feature = "rapier")]
+mod meshes;
 mod parts;
 mod paths;
 mod penetration;

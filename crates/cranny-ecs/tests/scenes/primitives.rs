@@ -165,7 +165,7 @@ fn a_child_that_is_a_primitive_stands_where_the_child_does_and_none_is_one_of_se
     steps(&mut app, 1);
     let id = world(&mut app).get::<Body>(body).unwrap().id;
     let touching = world(&mut app).get::<TouchingBodies>(post).unwrap();
-    assert_eq!(touching.0.iter().copied().collect::<Vec<_>>(), [id]);
+    assert_eq!(touching.ids().collect::<Vec<_>>(), [id]);
     world(&mut app).spawn((unit(), ChildOf(body)));
     let error = app.step().unwrap_err().to_string();
     assert!(error.contains("a ball is one of several"), "{error}");
