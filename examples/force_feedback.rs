@@ -42,9 +42,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         let seconds = step as f32 * STEP as f32;
         world.get_mut::<Transform>(stylus).ok_or("it is there")?.translation = hand(seconds);
         world.run_schedule(CrannyStep);
-        if let Some(failure) = world.resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
         let report = world.resource::<ForceFeedbackReport>();
         let ticks = &report.of(stylus).ok_or("it is felt")?.wrenches;
         for wrench in ticks {

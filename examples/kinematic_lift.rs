@@ -40,9 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut highest, mut worst) = (0.0_f32, 0.0_f32);
     for step in 0..480 {
         world.run_schedule(CrannyStep);
-        if let Some(failure) = world.resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
         let top = height(world, lift) + 0.1;
         let above = height(world, load) - top;
         (highest, worst) = (highest.max(top), worst.max(above.abs()));

@@ -37,9 +37,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let world = app.world_mut();
     for _ in 0..1200 {
         world.run_schedule(CrannyStep);
-        if let Some(failure) = world.resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
         touched += world.resource_mut::<Messages<CollisionStart>>().drain().count();
     }
     let mut inside = world.query_filtered::<&Transform, With<InBowl>>();

@@ -31,9 +31,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut heard = Vec::new();
     for step in 0..360 {
         world.run_schedule(CrannyStep);
-        if let Some(failure) = world.resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
         for sound in world.resource_mut::<Messages<SoundEvent>>().drain() {
             let SoundEvent { kind, speed, impulse, area, .. } = sound;
             let seconds = f64::from(step) / 120.0;

@@ -43,9 +43,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     for _ in 0..=360 {
         app.update();
-        if let Some(failure) = app.world_mut().resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
     }
     let fallen = app.world().resource::<Fallen>().0;
     let mut rings = app.world_mut().query_filtered::<&Transform, With<Ring>>();

@@ -40,9 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut overlapping = 0;
     for step in 0..30 {
         world.run_schedule(CrannyStep);
-        if let Some(failure) = world.resource_mut::<Failure>().take() {
-            return Err(failure.into());
-        }
         let Some(pair) = world.resource::<PenetrationReport>().pairs.first() else { break };
         println!("step {step}: {:.4} deep, {:.3} is the way", pair.depth.unwrap_or(0.0), pair.way);
         overlapping += 1;

@@ -11,6 +11,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::component::ComponentId;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::lifecycle::{HookContext, Remove};
 use bevy_ecs::name::Name;
@@ -25,16 +26,18 @@ use cranny_world::description::{BodyKind, Effect};
 use crate::body::{Bodies, Body, BodyRecord};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
 use crate::collider::{Collider, VisualMesh};
-use crate::effect_components::effects_of;
-use crate::effects::{BodyEffects, EffectTable};
+use crate::effect_components::{Trigger, effects_of};
+use crate::effects::{BodyEffects, EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::motion::MotionLog;
 use crate::pair::{BodyPair, relate_pairs};
 use crate::parts::{
     ColliderOf, MergedModels, has_parts, merge, note_moved_parts, note_orphan, note_parent,
-    observe_rules, owner_of, parts_of,
+    owner_of, parts_of,
 };
-use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
+use crate::properties::{
+    AngularVelocity, CollisionLayers, LinearVelocity, RigidBody, Sensor, SmoothNormals,
+};
 use crate::tally::Tally;
 use crate::trigger::TriggerLog;
 
@@ -54,7 +57,33 @@ pub(crate) fn note_change(mut world: DeferredWorld<'_>, context: HookContext) {
     }
 }
 
-/// The same as one is removed. A body without a collider is none any more.
+/// Hook of [`Sensor`]: one that nothing would notice brings [`Trigger`] along.
+pub(crate) fn note_sensor(mut world: DeferredWorld<'_>, context: HookContext) {
+    note_change(world.reborrow(), context.clone());
+    if is_unnoticed(&world, context.entity) {
+        world.commands().entity(context.entity).try_insert(Trigger);
+    }
+}
+
+/// Whether no effect beside an entity or of all bodies notices anything, and `Trigger` would: the
+/// app has its plugin, or none that notices. (One without any is told so.)
+fn is_unnoticed(world: &World, entity: Entity) -> bool {
+    let Some(table) = world.get_resource::<EffectTable>() else { return false };
+    let own = effects_of(world.entity(entity));
+    let others = [EffectKind::Proximity, EffectKind::Contacts, EffectKind::Penetration];
+    own.iter().chain(table.of_scene()).all(Effect::pushes)
+        && (table.names(EffectKind::Trigger) || !others.iter().any(|&kind| table.names(kind)))
+}
+
+/// Hook of what an app says of a whole body: said of a part of one, it is refused.
+pub(crate) fn note_rule(world: DeferredWorld<'_>, context: HookContext) {
+    if world.get::<ColliderOf>(context.entity).is_some() {
+        note_change(world, context);
+    }
+}
+
+/// Hook of the components that make a body or a pair, as one is removed. A body without a collider
+/// is none any more.
 pub(crate) fn note_removal(mut world: DeferredWorld<'_>, context: HookContext) {
     if world.component_id::<RigidBody>() == Some(context.component_id) {
         let parts = parts_of(&world, context.entity);
@@ -77,7 +106,6 @@ impl Plugin for AdmissionPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Noted>().init_resource::<Bodies>().init_resource::<MergedModels>();
         app.add_observer(take_leave).add_observer(note_parent).add_observer(note_orphan);
-        observe_rules(app);
         note_present(app.world_mut());
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             let is_noted = |noted: Res<Noted>| noted.pairs || !noted.entities.is_empty();
@@ -95,13 +123,24 @@ impl Plugin for AdmissionPlugin {
 /// Notes what was spawned before the plugins were added: no hook could.
 fn note_present(world: &mut World) {
     for component in [world.component_id::<Collider>(), world.component_id::<BodyPair>()] {
-        let Some(component) = component else { continue };
-        let with = world.archetypes().iter().filter(|archetype| archetype.contains(component));
-        let entities = with.flat_map(|archetype| archetype.entities().iter().map(|e| e.id()));
-        let mut entities: Vec<Entity> = entities.collect();
-        entities.sort_unstable();
+        let entities = entities_with(world, component);
         world.resource_mut::<Noted>().entities.extend(entities);
     }
+    for sensor in entities_with(world, world.component_id::<Sensor>()) {
+        if is_unnoticed(world, sensor) {
+            world.entity_mut(sensor).insert(Trigger);
+        }
+    }
+}
+
+/// The entities with a component that may not be registered, ascending.
+pub(crate) fn entities_with(world: &World, component: Option<ComponentId>) -> Vec<Entity> {
+    let Some(component) = component else { return Vec::new() };
+    let with = world.archetypes().iter().filter(|archetype| archetype.contains(component));
+    let entities = with.flat_map(|archetype| archetype.entities().iter().map(|e| e.id()));
+    let mut entities: Vec<Entity> = entities.collect();
+    entities.sort_unstable();
+    entities
 }
 
 /// Makes bodies of what was spawned, and passes changes on.
@@ -117,8 +156,7 @@ pub(crate) fn admit_bodies(world: &mut World) {
         pairs |= found.contains::<BodyPair>();
         let owner = owner_of(world, entity);
         if owner != entity {
-            // A body that became a part is none any more.
-            world.entity_mut(entity).remove::<Body>();
+            become_part(world, entity);
             noted.push_back(owner);
             continue;
         }
@@ -147,16 +185,27 @@ pub(crate) fn admit_bodies(world: &mut World) {
             continue;
         };
         pairs |= known.is_none();
+        let sensor = effects.sensor;
         let put = world.resource_mut::<EffectTable>().put_body(id, effects);
         if let Err(effect) = put {
             let body = world.resource::<Bodies>().name(id).to_owned();
-            world.resource_mut::<Failure>().set(SceneAppError::EffectNotPlugged { body, effect });
+            world.resource_mut::<Failure>().set(match effect {
+                "Trigger" if sensor => SceneAppError::UnnoticedSensor { body },
+                _ => SceneAppError::EffectNotPlugged { body, effect },
+            });
         }
         world.entity_mut(entity).insert(Body { id });
     }
     if pairs || world.resource::<Noted>().pairs {
         world.resource_mut::<Noted>().pairs = false;
         relate_pairs(world);
+    }
+}
+
+/// A body that became a part is none any more, and has no motion of its own.
+pub(crate) fn become_part(world: &mut World, entity: Entity) {
+    if world.get::<Body>(entity).is_some() {
+        world.entity_mut(entity).remove::<(Body, LinearVelocity, AngularVelocity)>();
     }
 }
 

@@ -124,7 +124,8 @@ impl SceneApp {
         let total = step_count(scene.step, scene.duration)?;
         let inputs: Vec<&Path> = options.inputs.iter().map(PathBuf::as_path).collect();
         check_outputs(&outputs(options), &inputs)?;
-        let plugins = CrannyPlugins::from_scene(&scene, &options.plugins)?.summed_up();
+        let plugins = CrannyPlugins::from_scene(&scene, &options.plugins)?;
+        let plugins = plugins.summed_up().keep_failures();
         #[cfg_attr(
             not(any(feature = "record", feature = "render")),
             expect(unused_mut, reason = "recordings and pictures add what they write")

@@ -67,6 +67,8 @@ pub enum CoreSystems {
     Motion,
     /// The clock.
     Clock,
+    /// What failed, to bevy's error handler.
+    Failure,
 }
 
 /// Simulated time: it advances by one step at a time and knows no other clock.

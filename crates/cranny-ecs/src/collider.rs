@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildError, BuildOptions, Mesh, Model};
+use cranny_geometry::{BuildError, BuildOptions, Mesh, Model, Repair};
 use cranny_primitives::{Ball, BodyShape, Capsule, Cone, Cylinder, HalfSpace, Primitive, Segment};
 use cranny_shapes::{Cuboid, ShapeError};
 use thiserror::Error;
@@ -41,7 +41,7 @@ pub struct Collider {
 }
 
 /// A cuboid that cannot be made.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CuboidError {
     /// A side that is no length.
@@ -52,15 +52,29 @@ pub enum CuboidError {
     Build(#[from] BuildError),
 }
 
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for CuboidError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
+}
+
 impl Collider {
     /// Prepares a mesh, which takes milliseconds and more: keep what it returns for other bodies of
     /// the same shape.
+    ///
+    /// The mesh is mended as meshes of scenes are ([`Repair::Safe`]): what is inside out, whole or
+    /// in parts, is turned. An open mesh stays a surface without inside; a dynamic body of it is an
+    /// error of the step that takes it in, unless it has a [`Mass`](crate::Mass). Where a mesh
+    /// crosses itself, volume and mass count the overlap as often as it is enclosed.
+    /// [`Model::build`] reports what it finds and mends, and `Collider::from` takes its model.
     ///
     /// # Errors
     ///
     /// [`BuildError`] where the mesh cannot be prepared.
     pub fn from_mesh(mesh: Mesh) -> Result<Self, BuildError> {
-        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        let (repair, self_intersections) = (Repair::Safe, false);
+        let options = BuildOptions { repair, self_intersections, ..BuildOptions::default() };
         Ok(Self::from(Model::build(mesh, &options)?.0))
     }
 

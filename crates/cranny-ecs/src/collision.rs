@@ -1,6 +1,7 @@
 //! What an app reads of a contact: where, which way, how deep, how hard.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::{QueryData, QueryFilter};
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
@@ -61,6 +62,44 @@ impl CollisionContact {
         Self { deepest: self.deepest.flipped(), ..self }
     }
 }
+
+/// Who is who in what is told of two bodies, which are its fields `body` and `other`.
+macro_rules! two_bodies {
+    ($($told:ty),+) => {$(
+        impl $told {
+            /// Whether an entity is one of the two.
+            #[must_use]
+            pub fn involves(&self, entity: Entity) -> bool {
+                self.body == entity || self.other == entity
+            }
+
+            /// The other one than an entity; `None` if that is neither of the two.
+            #[must_use]
+            pub fn other_than(
+                &self,
+                entity: Entity,
+            ) -> Option<Entity> {
+                let ends = [(self.body, self.other), (self.other, self.body)];
+                ends.into_iter().find(|(end, _)| *end == entity).map(|(_, other)| other)
+            }
+
+            /// The first of the two that a query finds, and the other one.
+            #[must_use]
+            pub fn one_of<D, F>(
+                &self,
+                query: &Query<'_, '_, D, F>,
+            ) -> Option<(Entity, Entity)>
+            where
+                D: QueryData,
+                F: QueryFilter,
+            {
+                let ends = [(self.body, self.other), (self.other, self.body)];
+                ends.into_iter().find(|(end, _)| query.contains(*end))
+            }
+        }
+    )+};
+}
+pub(crate) use two_bodies;
 
 /// The deepest contact of an answer, seen from its body A.
 pub(crate) fn deepest(answer: &Answer) -> Option<CollisionPoint> {
@@ -308,6 +347,8 @@ impl Collisions<'_, '_> {
         0.0
     }
 }
+
+two_bodies!(Collision<'_>);
 
 impl Collision<'_> {
     /// Seen from the other body.

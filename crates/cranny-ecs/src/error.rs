@@ -1,16 +1,14 @@
 //! What can go wrong with a scene that runs.
 
-use std::fmt;
 use std::path::PathBuf;
 
-use bevy_ecs::prelude::Resource;
+use bevy_ecs::prelude::{BevyError, ResMut, Resource};
 use cranny_geometry::{BuildError, DeformError};
 use cranny_primitives::PrimitiveError;
 use cranny_world::WorldError;
 use thiserror::Error;
 
-/// A scene that cannot be built or cannot go on. Its `Debug` is its `Display`, so that a `main`
-/// that fails with it ends in a sentence.
+/// A scene that cannot be built or cannot go on.
 #[derive(Error)]
 #[non_exhaustive]
 pub enum SceneAppError {
@@ -73,6 +71,14 @@ pub enum SceneAppError {
         body: String,
         /// Name of the effect.
         effect: &'static str,
+    },
+    /// A sensor in an app that has no effect which notices one.
+    #[error(
+        "body '{body}' is a sensor, but no effect of the app notices what touches it: name Trigger in CrannyPlugins::available, or remove the Trigger that came with the Sensor"
+    )]
+    UnnoticedSensor {
+        /// Which body.
+        body: String,
     },
     /// An effect that works on what another one does, which the app does not have.
     #[error("{effect} needs {needs}: name {needs} too, or leave {effect} out")]
@@ -283,23 +289,36 @@ pub enum SceneAppError {
     },
 }
 
-impl fmt::Debug for SceneAppError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self}")
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for SceneAppError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
     }
 }
 
-/// The first error of a step. Systems cannot return errors to whoever runs them, so they leave them
-/// here; [`SceneApp`](crate::SceneApp) hands them out,
-/// [`FixedUpdatePlugin`](crate::FixedUpdatePlugin) gives them to bevy's error handler, and other
-/// runners should look.
+/// The first error of the steps so far: what is wrong with a body, a pair or an output.
+///
+/// A step hands it to bevy's error handler once, as an error of a system: without a handler of its
+/// own the app panics with the message. Where the handler does not panic, or the app
+/// [keeps failures](crate::CrannyPlugins::keep_failures), the error stays here until the app takes
+/// it, and [`FixedUpdatePlugin`](crate::FixedUpdatePlugin) makes no step in the meantime.
 #[derive(Resource, Debug, Default)]
-pub struct Failure(Option<SceneAppError>);
+pub struct Failure {
+    error: Option<SceneAppError>,
+    handed_on: bool,
+    /// Whether the app looks here by itself.
+    kept: bool,
+}
 
 impl Failure {
+    /// None yet, in an app that looks here by itself.
+    pub(crate) fn kept() -> Self {
+        Self { kept: true, ..Self::default() }
+    }
+
     /// Keeps the first error.
     pub fn set(&mut self, error: SceneAppError) {
-        self.0.get_or_insert(error);
+        self.error.get_or_insert(error);
     }
 
     /// Keeps the error of a result.
@@ -310,11 +329,32 @@ impl Failure {
     /// Whether something failed.
     #[must_use]
     pub fn is_set(&self) -> bool {
-        self.0.is_some()
+        self.error.is_some()
     }
 
     /// The error, which is then forgotten.
     pub fn take(&mut self) -> Option<SceneAppError> {
-        self.0.take()
+        self.handed_on = false;
+        self.error.take()
     }
+
+    /// The message of an error that neither bevy's error handler has seen nor the app will look at.
+    ///
+    /// # Errors
+    ///
+    /// That message, once.
+    pub(crate) fn hand_on(&mut self) -> Result<(), BevyError> {
+        match &self.error {
+            Some(error) if !self.kept && !self.handed_on => {
+                self.handed_on = true;
+                Err(error.to_string().into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Hands what failed in a step to bevy's error handler.
+pub(crate) fn hand_on_failure(mut failure: ResMut<Failure>) -> Result<(), BevyError> {
+    failure.hand_on()
 }

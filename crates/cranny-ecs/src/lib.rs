@@ -143,8 +143,9 @@ pub use penetration::{PenetrationPair, PenetrationPlugin, PenetrationReport, Pen
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};
 pub use properties::{
-    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
-    GravityScale, LinearVelocity, LockedAxes, Mass, Restitution, RigidBody, Sensor, SmoothNormals,
+    AngularDamping, AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse,
+    Friction, GravityScale, LinearDamping, LinearVelocity, LockedAxes, Mass, Restitution,
+    RigidBody, Sensor, Sleeping, SmoothNormals,
 };
 pub use proximity::{ProximityPair, ProximityPlugin, ProximityReport, ProximitySystems};
 pub use readers::ContactReaders;
@@ -186,14 +187,14 @@ pub use trigger::{
 /// What most bevy apps want.
 pub mod prelude {
     pub use crate::{
-        Accuracy, AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider,
-        Collision, CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
-        Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Deformation,
-        Density, DiagnosticsPlugin, Effect, EffectAccuracy, EffectKind, ExternalForce,
+        Accuracy, AngularDamping, AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair,
+        Collider, Collision, CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint,
+        CollisionStart, Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep,
+        Deformation, Density, DiagnosticsPlugin, Effect, EffectAccuracy, EffectKind, ExternalForce,
         ExternalImpulse, Failure, FixedUpdatePlugin, ForceFeedback, ForceFeedbackReport, Friction,
-        GravityScale, Joint, LinearVelocity, LockedAxes, Mass, NeverMeet, PairAccuracy,
-        Penetration, PenetrationReport, PluginOptions, Proximity, ProximityReport,
-        ProximitySystems, Proxy, Response, Restitution, RigidBody, Sensor, SimulatedTime,
+        GravityScale, Joint, LinearDamping, LinearVelocity, LockedAxes, Mass, NeverMeet,
+        PairAccuracy, Penetration, PenetrationReport, PluginOptions, Proximity, ProximityReport,
+        ProximitySystems, Proxy, Response, Restitution, RigidBody, Sensor, SimulatedTime, Sleeping,
         SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter, SpawnScene, StatedMass,
         StepDiagnostics, StepSystems, TouchingBodies, TrackedPose, Tracker, Tracking, Trigger,
         TriggerSystems,

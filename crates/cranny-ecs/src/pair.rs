@@ -8,7 +8,7 @@ use bevy_ecs::world::DeferredWorld;
 use cranny_world::BodyId;
 use cranny_world::description::{Accuracy, Effect};
 
-use crate::admission::{Noted, note_change, note_removal};
+use crate::admission::{Noted, entities_with, note_change, note_removal};
 use crate::body::{Bodies, Body};
 use crate::effect_components::{PairAccuracy, effects_of};
 use crate::effects::{EffectTable, Pair, ordered};
@@ -48,13 +48,7 @@ pub(crate) fn relate_pairs(world: &mut World) {
     let (mut missing, mut meshless) = (None, None);
     let Some(pair_id) = world.component_id::<BodyPair>() else { return };
     // Ascending, so that nothing depends on the order in which components came.
-    let mut entities: Vec<Entity> = world
-        .archetypes()
-        .iter()
-        .filter(|archetype| archetype.contains(pair_id))
-        .flat_map(|archetype| archetype.entities().iter().map(|entity| entity.id()))
-        .collect();
-    entities.sort_unstable();
+    let entities = entities_with(world, Some(pair_id));
     let table = world.resource::<EffectTable>();
     for entity in entities {
         let Ok(pair) = world.get_entity(entity) else { continue };

@@ -6,7 +6,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bevy_app::App;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::lifecycle::{Discard, Insert};
 use bevy_ecs::name::Name;
@@ -17,20 +16,20 @@ use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_primitives::BodyShape;
+use cranny_world::description::Effect;
 
-use crate::admission::Noted;
+use crate::admission::{Noted, become_part};
 use crate::body::{Bodies, Body, pose_of};
-use crate::collider::Collider;
-use crate::effect_components::{
-    Contacts, Continuous, Deformation, ForceFeedback, Penetration, Proximity, Response, Sound,
-    Tracking, Trigger, effects_of,
-};
-use crate::effects::EffectKind;
+use crate::collider::{Collider, VisualMesh};
+use crate::effect_components::{EffectAccuracy, effects_of};
 use crate::error::{Failure, SceneAppError};
+use crate::paths::FollowsPath;
 use crate::properties::{
-    CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction, GravityScale, LockedAxes,
-    Mass, Restitution, RigidBody, Sensor, SmoothNormals,
+    AngularDamping, AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse,
+    Friction, GravityScale, LinearDamping, LinearVelocity, LockedAxes, Mass, Restitution,
+    RigidBody, Sensor, SmoothNormals,
 };
+use crate::tracking::Tracker;
 
 /// Beside a [`Collider`] that is a part of another entity's body: which one. A step inserts it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,19 +158,15 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
         if let Some(&part) =
             path.last().filter(|part| world.get::<ColliderOf>(**part) != Some(&ColliderOf { body }))
         {
+            become_part(world, part);
             world.entity_mut(part).insert(ColliderOf { body });
         }
     }
     let name = world.get::<Name>(body).map(|name| name.as_str().to_owned());
     let name = name.unwrap_or_else(|| body.to_string());
     let refused = |why: String| SceneAppError::Parts { body: name.clone(), why };
-    let parts_alone = below.iter().filter_map(|path| path.last());
-    if let Some(rule) = parts_alone.filter_map(|&part| rule_of(world.entity(part))).next() {
-        return Err(refused(format!(
-            "one of them has its own {rule}, but all are one body. Put {rule} beside the \
-             RigidBody, or make that collider a body of its own, a fixed one or one held by a \
-             fixed joint"
-        )));
+    for part in below.iter().filter_map(|path| path.last().copied()) {
+        check_rules(world.entity(part)).map_err(refused)?;
     }
     if let [(BodyShape::Primitive(primitive), place)] = &parts[..] {
         let moved = primitive.moved(&pose_of(place).world_from_body());
@@ -189,56 +184,31 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<BodyShape>
     Ok(Some(model.into()))
 }
 
-/// A component that holds for a whole body, and so not for a part of one.
-fn rule_of(part: EntityRef<'_>) -> Option<&'static str> {
-    fn has<C: Component>(part: EntityRef<'_>, name: &'static str) -> Option<&'static str> {
-        part.contains::<C>().then_some(name)
-    }
-    has::<Sensor>(part, "Sensor")
-        .or_else(|| has::<Friction>(part, "Friction"))
-        .or_else(|| has::<Restitution>(part, "Restitution"))
-        .or_else(|| has::<Density>(part, "Density"))
-        .or_else(|| has::<Mass>(part, "Mass"))
-        .or_else(|| has::<GravityScale>(part, "GravityScale"))
-        .or_else(|| has::<LockedAxes>(part, "LockedAxes"))
-        .or_else(|| has::<ExternalForce>(part, "ExternalForce"))
-        .or_else(|| has::<ExternalImpulse>(part, "ExternalImpulse"))
-        .or_else(|| has::<CollisionLayers>(part, "CollisionLayers"))
-        .or_else(|| has::<SmoothNormals>(part, "SmoothNormals"))
-        .or_else(|| effects_of(part).iter().find_map(EffectKind::of).map(EffectKind::name))
+macro_rules! rules {
+    ($($rule:ident)+) => { &[$((stringify!($rule), |part| part.contains::<$rule>())),+] };
 }
 
-/// Observes what makes a part no part: what was inserted after it became one, too.
-pub(crate) fn observe_rules(app: &mut App) {
-    app.add_observer(note_rule::<Sensor>)
-        .add_observer(note_rule::<Friction>)
-        .add_observer(note_rule::<Restitution>)
-        .add_observer(note_rule::<Density>)
-        .add_observer(note_rule::<Mass>)
-        .add_observer(note_rule::<GravityScale>)
-        .add_observer(note_rule::<LockedAxes>)
-        .add_observer(note_rule::<ExternalForce>)
-        .add_observer(note_rule::<ExternalImpulse>)
-        .add_observer(note_rule::<CollisionLayers>)
-        .add_observer(note_rule::<SmoothNormals>)
-        .add_observer(note_rule::<Trigger>)
-        .add_observer(note_rule::<Proximity>)
-        .add_observer(note_rule::<Contacts>)
-        .add_observer(note_rule::<Response>)
-        .add_observer(note_rule::<Continuous>)
-        .add_observer(note_rule::<Penetration>)
-        .add_observer(note_rule::<Sound>)
-        .add_observer(note_rule::<Deformation>)
-        .add_observer(note_rule::<ForceFeedback>)
-        .add_observer(note_rule::<Tracking>);
-}
+/// Whether a part has a component.
+type HasRule = fn(&EntityRef<'_>) -> bool;
 
-fn note_rule<C: Component>(
-    inserted: On<Insert<C>>,
-    parts: Query<&ColliderOf>,
-    mut noted: ResMut<Noted>,
-) {
-    noted.entities.extend(parts.get(inserted.entity).ok().map(|part| part.body));
+/// What counts for a whole body, beside the effects: at a part of one it would be passed over.
+const RULES: &[(&str, HasRule)] = rules!(
+    Sensor EffectAccuracy Friction Restitution Density Mass GravityScale LinearDamping
+    AngularDamping LockedAxes ExternalForce ExternalImpulse LinearVelocity AngularVelocity
+    CollisionLayers SmoothNormals VisualMesh Tracker FollowsPath
+);
+
+/// Fails if a part of a body says something of its own that counts for the whole body.
+fn check_rules(part: EntityRef<'_>) -> Result<(), String> {
+    let rule = RULES.iter().find(|(_, has)| has(&part)).map(|(name, _)| *name);
+    let Some(rule) = rule.or_else(|| effects_of(part).first().map(Effect::name)) else {
+        return Ok(());
+    };
+    let name = part.get::<Name>().map_or_else(|| part.id().to_string(), ToString::to_string);
+    Err(format!(
+        "'{name}' has a {rule} of its own, but all are one body. Put {rule} beside the RigidBody, \
+         or make that collider a body of its own, a fixed one or one held by a fixed joint"
+    ))
 }
 
 /// The parts, where all are meshes.
@@ -315,6 +285,7 @@ pub(crate) fn note_orphan(removed: On<Discard<ChildOf>>, mut world: DeferredWorl
 
 #[cfg(test)]
 mod tests {
+    use bevy_app::App;
     use cranny_shapes::Cuboid;
 
     use super::*;

@@ -132,8 +132,8 @@ fn known_sets() -> Vec<KnownSet> {
         expect(unused_mut, reason = "other effects add theirs")
     )]
     let mut sets = known! {
-        "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move,
-            PathSystems::Lead;
+        "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, CoreSystems::Failure,
+            KinematicsSystems::Move, PathSystems::Lead;
         "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
         "Proximity": ProximitySystems::Detect, ProximitySystems::Report;
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;

@@ -3,8 +3,9 @@
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use bevy_app::{App, First, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
+use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
 use bevy_time::{Fixed, Time};
 use cranny_exact::DVec3;
 use cranny_primitives::BodyShape;
@@ -12,11 +13,11 @@ use cranny_world::ContactFields;
 use cranny_world::description::{Accuracy, BodyDescription, BodyKind, Effect, SceneDescription};
 
 use crate::admission::{AdmissionPlugin, admit_bodies};
-use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
+use crate::clock::{ClockPlugin, CoreSystems, CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::contacts::ContactsPlugin;
 use crate::detection::DetectionPlugin;
 use crate::effects::{EffectKind, EffectTable};
-use crate::error::{Failure, SceneAppError};
+use crate::error::{Failure, SceneAppError, hand_on_failure};
 use crate::force_feedback::ForceFeedbackPlugin;
 use crate::kinematics::KinematicsPlugin;
 use crate::levels::{check_app_levels, check_levels};
@@ -109,6 +110,8 @@ pub struct CrannyPlugins {
     summed_up: bool,
     /// Whether devices of the scene's bodies are simulated.
     simulated_trackers: bool,
+    /// Whether the app looks at [`Failure`] by itself.
+    keeps_failures: bool,
     /// Adds the system that makes the solver's step.
     #[cfg(feature = "rapier")]
     add_step: fn(&mut App),
@@ -143,6 +146,7 @@ impl CrannyPlugins {
             scene: None,
             summed_up: false,
             simulated_trackers: false,
+            keeps_failures: false,
             #[cfg(feature = "rapier")]
             add_step: crate::response::add_step::<()>,
             #[cfg(feature = "record")]
@@ -215,6 +219,13 @@ impl CrannyPlugins {
         for<'w, 's> bevy_ecs::system::SystemParamItem<'w, 's, H>: crate::hooks::CollisionHooks,
     {
         Self { add_step: crate::response::add_hooked_step::<H>, ..self }
+    }
+
+    /// For an app that looks at [`Failure`] after each step by itself. Without it what fails goes
+    /// to bevy's error handler, which panics unless the app has set another one.
+    #[must_use]
+    pub fn keep_failures(self) -> Self {
+        Self { keeps_failures: true, ..self }
     }
 
     /// How plugins are built.
@@ -315,7 +326,7 @@ impl PluginGroup for CrannyPlugins {
         .map(named);
         let detects = trigger || proximity || contacts || penetration;
         let clock = ClockPlugin { step: self.step };
-        let core = CorePlugin { effects: effects.clone() };
+        let core = CorePlugin { effects: effects.clone(), keeps_failures: self.keeps_failures };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
         let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(core);
         group = group.add(AdmissionPlugin).add(KinematicsPlugin).add(PathPlugin);
@@ -458,12 +469,18 @@ fn typical_size(scene: &SceneDescription, shapes: &[BodyShape]) -> f64 {
 /// The effect table, sums, what failed.
 struct CorePlugin {
     effects: EffectTable,
+    keeps_failures: bool,
 }
 
 impl Plugin for CorePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Failure>().init_resource::<Tally>();
+        let failure = if self.keeps_failures { Failure::kept() } else { Failure::default() };
+        app.insert_resource(failure).init_resource::<Tally>();
         app.insert_resource(self.effects.clone());
+        for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            let last = hand_on_failure.in_set(CoreSystems::Failure).after(StepSystems::Advance);
+            app.add_systems(label, last);
+        }
     }
 }
 
@@ -482,9 +499,6 @@ impl Plugin for ScenePlugin {
 /// Runs [`CrannyStep`] in `FixedPostUpdate`, for apps with bevy's own main schedule and time: the
 /// fixed time step becomes the scene's. Add it after [`CrannyPlugins`] and `TimePlugin`.
 ///
-/// A [`Failure`] stops the steps. One that nobody has taken until the next update goes to bevy's
-/// error handler, which panics with it unless the app has set another.
-///
 /// Note that bevy's first update runs no fixed step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FixedUpdatePlugin;
@@ -496,19 +510,17 @@ impl Plugin for FixedUpdatePlugin {
         if let Some(step) = step.filter(|step| !step.is_zero()) {
             app.insert_resource(Time::<Fixed>::from_duration(step));
         }
-        app.add_systems(First, hand_over).add_systems(FixedPostUpdate, run_step);
+        app.add_systems(FixedPostUpdate, run_step);
     }
 }
 
-/// Fails with what failed in the update before.
-fn hand_over(failure: Option<ResMut<Failure>>) -> Result<(), BevyError> {
-    let failed = failure.and_then(|mut failure| failure.is_set().then(|| failure.take()).flatten());
-    failed.map_or(Ok(()), |error| Err(error.into()))
-}
-
-fn run_step(world: &mut World) {
-    // A failure stays for the app to see; going on would hide it behind its consequences.
-    if !world.get_resource::<Failure>().is_some_and(Failure::is_set) {
-        world.run_schedule(CrannyStep);
+fn run_step(world: &mut World) -> Result<(), BevyError> {
+    if let Some(mut failure) = world.get_resource_mut::<Failure>() {
+        failure.hand_on()?; // what failed as plugins were added
+        if failure.is_set() {
+            return Ok(()); // what follows are consequences
+        }
     }
+    world.run_schedule(CrannyStep);
+    Ok(())
 }

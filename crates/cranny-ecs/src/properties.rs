@@ -11,7 +11,7 @@ use bevy_transform::components::Transform;
 use cranny_world::Layers;
 use cranny_world::description::{BodyKind, Normals, StatedMass};
 
-use crate::admission::{note_change, note_removal};
+use crate::admission::{note_change, note_removal, note_rule, note_sensor};
 
 /// How a body moves.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -50,15 +50,18 @@ impl From<BodyKind> for RigidBody {
 /// Velocity of a body's centre of mass, units of length a second, world axes. The solver writes
 /// what it has at the end of a step; whoever writes another one changes it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct LinearVelocity(pub Vec3);
 
 /// Angular velocity of a body, radians a second, world axes; written and changed as
 /// [`LinearVelocity`] is.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct AngularVelocity(pub Vec3);
 
 /// Coulomb's coefficient; of two bodies the mean counts.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct Friction {
     /// At least 0.
     pub coefficient: f32,
@@ -81,6 +84,7 @@ impl Default for Friction {
 /// How much of the speed at which a body meets another is given back; of two bodies the mean
 /// counts.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct Restitution {
     /// 0: no bounce; 1: full bounce.
     pub coefficient: f32,
@@ -97,6 +101,7 @@ impl Restitution {
 /// Mass per volume of a dynamic body, > 0; 1 where none is said. Mass, centre and inertia follow
 /// from it and from the solid that the mesh bounds.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct Density(pub f64);
 
 impl Default for Density {
@@ -108,10 +113,12 @@ impl Default for Density {
 /// Mass, centre and inertia of a dynamic body as stated, in place of those that follow from
 /// [`Density`] and the solid: its mesh need not bound one then.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct Mass(pub StatedMass);
 
 /// By what gravity is multiplied for a body.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct GravityScale(pub f32);
 
 impl Default for GravityScale {
@@ -120,8 +127,28 @@ impl Default for GravityScale {
     }
 }
 
+/// How fast a dynamic body loses linear velocity, a second: `v' = -damping * v`; finite and at least
+/// 0, without it 0. A link of a [reduced](crate::Joint::reduced) joint has its joint's resistance
+/// instead.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
+pub struct LinearDamping(pub f64);
+
+/// How fast a dynamic body loses angular velocity; as [`LinearDamping`].
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
+pub struct AngularDamping(pub f64);
+
+/// Beside a dynamic body that the solver has put to sleep: it rests, and costs nothing until
+/// something touches or changes it. Each step inserts and removes it; what an app writes moves
+/// nothing.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, storage = "SparseSet")]
+pub struct Sleeping;
+
 /// Motions that a dynamic body cannot make, world axes.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(on_add = note_rule)]
 pub struct LockedAxes {
     /// Along x, y, z.
     pub translation: BVec3,
@@ -139,6 +166,7 @@ impl LockedAxes {
 /// A force at a body's centre of mass and a torque, world axes, which act in every step while the
 /// component is there.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct ExternalForce {
     /// Mass x length / second².
     pub force: Vec3,
@@ -148,6 +176,7 @@ pub struct ExternalForce {
 
 /// A change of momentum, which acts once: the next step takes it and leaves zeros.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(on_add = note_rule)]
 pub struct ExternalImpulse {
     /// At the centre of mass: mass x length / second.
     pub impulse: Vec3,
@@ -177,8 +206,12 @@ impl CollisionLayers {
 }
 
 /// A body that is noticed and never pushes: it has every effect but `Response`.
+///
+/// One that nothing would notice brings [`Trigger`](crate::Trigger) along: where it is inserted and
+/// neither a component beside it nor an effect of all bodies notices anything. Whoever wants to
+/// hear nothing of it for a while removes the `Trigger`. Scenes say by name what notices a sensor.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+#[component(immutable, on_insert = note_sensor, on_remove = note_removal)]
 pub struct Sensor;
 
 /// A body whose contacts have, for the solver, the normals of the curved surface that its facets

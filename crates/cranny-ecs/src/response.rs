@@ -27,7 +27,7 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::hooks::CollisionHooks;
 use crate::plugins::PluginOptions;
-use crate::properties::{AngularVelocity, LinearVelocity};
+use crate::properties::{AngularVelocity, LinearVelocity, Sleeping};
 use crate::readers::ContactReaders;
 use crate::solved::{self, RigidBodies, SolverBody};
 use crate::tally::Tally;
@@ -153,7 +153,7 @@ impl Plugin for ResponsePlugin {
                     .chain()
                     .in_set(ResponseSystems::Sync),
                 tally_solver.in_set(ResponseSystems::Tally),
-                pull_transforms.in_set(ResponseSystems::Advance),
+                (pull_transforms, tell_sleepers).in_set(ResponseSystems::Advance),
             ),
         );
         (self.add_step)(app);
@@ -331,6 +331,21 @@ fn pull_transforms(
         transform.set_if_neq(next);
         linear.set_if_neq(LinearVelocity(velocities[0]));
         angular.set_if_neq(AngularVelocity(velocities[1]));
+    }
+}
+
+/// Says who fell asleep in the step, and who woke.
+fn tell_sleepers(
+    members: Query<(Entity, &SolverBody, Has<Sleeping>)>,
+    bodies: Res<RigidBodies>,
+    mut commands: Commands,
+) {
+    for (entity, solved, slept) in &members {
+        match (slept, bodies.simulation().is_asleep(solved.index)) {
+            (false, true) => drop(commands.entity(entity).try_insert(Sleeping)),
+            (true, false) => drop(commands.entity(entity).try_remove::<Sleeping>()),
+            _ => {}
+        }
     }
 }
 

@@ -34,7 +34,7 @@ use crate::effects::{BodyEffects, EffectKind, EffectTable, Pair, ordered};
 use crate::energy::EnergyRange;
 use crate::hooks::{CollisionHooks, Deciding};
 use crate::joints::{Follows, Joint};
-use crate::properties::{ExternalForce, GravityScale, LockedAxes};
+use crate::properties::{AngularDamping, ExternalForce, GravityScale, LinearDamping, LockedAxes};
 use crate::response::Reading;
 
 /// A body that is in the solver's world.
@@ -390,6 +390,8 @@ impl RigidBodies {
             // What an insertion does not say.
             given: GivenValues {
                 gravity: GravityScale::default(),
+                linear_damping: LinearDamping::default(),
+                angular_damping: AngularDamping::default(),
                 locked: LockedAxes::default(),
                 force: ExternalForce::default(),
                 ..given
@@ -423,6 +425,8 @@ impl RigidBodies {
             let kind = rapier_kind(record.kind);
             self.simulation.set_kind(index, kind, &record.shape, mass)?;
             known.kind = record.kind;
+            let [linear, angular] = known.given.damping(known.kind);
+            self.simulation.set_damping(index, linear, angular);
         }
         if reshaped {
             self.simulation.set_shape(index, &record.shape, record.normals, mass)?;
@@ -464,6 +468,10 @@ impl RigidBodies {
         }
         if before.gravity != given.gravity {
             simulation.set_gravity_scale(index, given.gravity.0.into());
+        }
+        if before.damping(known.kind) != given.damping(known.kind) {
+            let [linear, angular] = given.damping(known.kind);
+            simulation.set_damping(index, linear, angular);
         }
         if before.locked != given.locked {
             let [along, about] = [given.locked.translation, given.locked.rotation];

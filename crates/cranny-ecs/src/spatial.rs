@@ -54,7 +54,7 @@ impl SpatialQueryFilter {
 }
 
 /// A question that cannot be answered.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SpatialQueryError {
     /// An entity that is no body: it has no collider, or no step has taken it in yet.
@@ -74,6 +74,13 @@ pub enum SpatialQueryError {
     /// A motion that cannot be followed.
     #[error(transparent)]
     Motion(#[from] ImpactError),
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for SpatialQueryError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Where a ray meets a body. World coordinates.

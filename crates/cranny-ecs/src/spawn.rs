@@ -15,7 +15,7 @@ use cranny_world::description::{
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
 use crate::collider::{Collider, VisualMesh};
-use crate::effect_components::{PairAccuracy, add_effects};
+use crate::effect_components::{PairAccuracy, Trigger, add_effects};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
@@ -181,7 +181,8 @@ impl SpawnScene {
             entity.insert(SmoothNormals { crease_angle });
         }
         if body.sensor {
-            entity.insert(Sensor);
+            // A scene says by name what notices it.
+            entity.insert(Sensor).remove::<Trigger>();
         }
         if responds {
             entity.insert((

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Add, Remove};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::{QueryData, QueryFilter};
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::SystemParam;
 use cranny_world::{BodyId, PairAnswer};
@@ -15,7 +16,7 @@ use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 #[cfg(feature = "rapier")]
 use crate::collision::hardest;
-use crate::collision::{CollisionContact, Velocities, deepest};
+use crate::collision::{CollisionContact, Velocities, deepest, two_bodies};
 use crate::detection::{Detected, DetectionSystems};
 use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable, Pair};
@@ -57,12 +58,6 @@ pub struct CollisionStart {
 }
 
 impl CollisionStart {
-    /// The one of the two that an entity is not; `None` where it is neither.
-    #[must_use]
-    pub fn other_than(&self, entity: Entity) -> Option<Entity> {
-        other_than([self.body, self.other], entity)
-    }
-
     /// Seen from the other body.
     #[must_use]
     pub fn flipped(self) -> Self {
@@ -85,12 +80,6 @@ pub struct CollisionEnd {
 }
 
 impl CollisionEnd {
-    /// The one of the two that an entity is not; `None` where it is neither.
-    #[must_use]
-    pub fn other_than(&self, entity: Entity) -> Option<Entity> {
-        other_than([self.body, self.other], entity)
-    }
-
     /// Seen from the other body.
     #[must_use]
     pub fn flipped(self) -> Self {
@@ -99,19 +88,43 @@ impl CollisionEnd {
     }
 }
 
-fn other_than([body, other]: [Entity; 2], entity: Entity) -> Option<Entity> {
-    match entity {
-        _ if entity == body => Some(other),
-        _ if entity == other => Some(body),
-        _ => None,
-    }
-}
-
-/// What a body touches now, by id, among the pairs with `Trigger`, or may touch as far as is
+/// What a body touches now among the pairs with `Trigger`, or may touch as far as is
 /// known: [`StepReport::estimates`](cranny_world::StepReport::estimates) of [`Detected`]
 /// say which verdicts are open.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
-pub struct TouchingBodies(pub BTreeSet<BodyId>);
+pub struct TouchingBodies(BTreeMap<BodyId, Entity>);
+
+impl TouchingBodies {
+    /// Their entities, by ascending ids.
+    pub fn entities(&self) -> impl ExactSizeIterator<Item = Entity> {
+        self.0.values().copied()
+    }
+
+    /// Their stable ids, ascending.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = BodyId> {
+        self.0.keys().copied()
+    }
+
+    /// Whether an entity's body is among them.
+    #[must_use]
+    pub fn contains(&self, body: Entity) -> bool {
+        self.entities().any(|touched| touched == body)
+    }
+
+    /// How many they are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether the body touches nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+two_bodies!(CollisionStart, CollisionEnd);
 
 /// Pairs that touch and ask for `Trigger`, and what this step has changed about them.
 #[derive(Resource, Clone, Debug, Default)]
@@ -271,7 +284,7 @@ fn report_collisions(
             starts.write(start);
             for start in [start, start.flipped()] {
                 if let Ok(mut set) = touching.get_mut(start.body) {
-                    set.0.insert(start.ids[1]);
+                    set.0.insert(start.ids[1], start.other);
                     commands.trigger(start);
                 }
             }

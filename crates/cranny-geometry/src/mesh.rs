@@ -15,7 +15,7 @@ pub struct Mesh {
 }
 
 /// A mesh that cannot be accepted at all.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// No face.
@@ -54,6 +54,13 @@ pub enum MeshError {
         /// How many are accepted.
         limit: usize,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for MeshError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Half-edges are numbered by `u32`: three a face.

@@ -22,7 +22,7 @@ use crate::regions::{is_closed, meeting_regions};
 use crate::surface::{FacePair, strongest};
 
 /// A question that cannot be answered.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum QueryError {
     /// A rotation that is no unit quaternion, or a translation outside the coordinate domain.
@@ -47,6 +47,13 @@ pub enum QueryError {
     /// A crease angle that is none.
     #[error(transparent)]
     Crease(#[from] CreaseAngleError),
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for QueryError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Answers a question about two placed models.

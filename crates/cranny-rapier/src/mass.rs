@@ -16,7 +16,7 @@ use crate::partners::placed;
 pub enum MassError {
     /// The mesh bounds no solid.
     #[error(
-        "the mesh is not closed, so it has no volume and no mass: close it, or make the body fixed or kinematic"
+        "the mesh is not closed, so it has no volume and no mass: close it, state the mass, or make the body fixed or kinematic"
     )]
     NotClosed,
     /// A primitive that bounds no solid.
@@ -26,7 +26,9 @@ pub enum MassError {
         what: &'static str,
     },
     /// The mass is no positive number that rapier can hold.
-    #[error("volume {volume:e} x density {density:e} is no positive mass that rapier can hold")]
+    #[error(
+        "volume {volume:e} x density {density:e} is no positive mass that rapier can hold: give a density above 0 and a shape that encloses more than it leaves out, or state the mass"
+    )]
     NotPositive {
         /// Volume of the solid.
         volume: f64,

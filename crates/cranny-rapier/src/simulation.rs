@@ -285,6 +285,13 @@ impl Simulation {
         (wide(b.linvel()), wide(b.angvel()))
     }
 
+    /// Whether a dynamic body is asleep: it rests, and is not computed until something wakes it.
+    #[must_use]
+    pub fn is_asleep(&self, body: BodyIndex) -> bool {
+        let b = self.body(body);
+        b.is_dynamic() && b.is_sleeping()
+    }
+
     /// The point of a body, in its frame, that its linear velocity is of: the centre of mass of
     /// dynamic bodies, and of kinematic ones whose mesh is closed; else the origin.
     #[must_use]

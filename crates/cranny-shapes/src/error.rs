@@ -18,7 +18,7 @@ pub const MIN_DETAIL: f64 = 1e-6;
 pub const MAX_FACES: u64 = 1 << 24;
 
 /// Why a shape cannot be built.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A parameter outside its range.
@@ -88,6 +88,13 @@ pub enum ShapeError {
         /// What is wrong with the mesh.
         source: MeshError,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for ShapeError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Checks the parameters of one generator.

@@ -10,7 +10,7 @@ use thiserror::Error;
 use crate::body::BodyId;
 
 /// A call that was refused; the world is as it was before.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WorldError {
     /// No body of this id is present.
@@ -125,6 +125,13 @@ pub enum WorldError {
         /// Why.
         source: ShapeQueryError,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for WorldError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// A broken invariant, found by [`World::validate`](crate::World::validate): a bug of this crate.

@@ -4,13 +4,13 @@ use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_rapier::{BodySpec, MassSource, SimulationError};
-use cranny_world::description::StatedMass;
+use cranny_world::description::{BodyKind, StatedMass};
 
 use super::Known;
 use crate::body::{pose_of, widened};
 use crate::properties::{
-    AngularVelocity, Density, ExternalForce, Friction, GravityScale, LinearVelocity, LockedAxes,
-    Mass, Restitution,
+    AngularDamping, AngularVelocity, Density, ExternalForce, Friction, GravityScale, LinearDamping,
+    LinearVelocity, LockedAxes, Mass, Restitution,
 };
 
 /// The components that the solver reads of a body.
@@ -24,6 +24,8 @@ pub(crate) struct Given {
     pub(super) density: Option<&'static Density>,
     pub(super) mass: Option<&'static Mass>,
     gravity: Option<&'static GravityScale>,
+    linear_damping: Option<&'static LinearDamping>,
+    angular_damping: Option<&'static AngularDamping>,
     locked: Option<&'static LockedAxes>,
     force: Option<&'static ExternalForce>,
 }
@@ -38,6 +40,8 @@ pub(crate) struct GivenValues {
     pub(super) density: Density,
     pub(super) mass: Option<Mass>,
     pub(super) gravity: GravityScale,
+    pub(super) linear_damping: LinearDamping,
+    pub(super) angular_damping: AngularDamping,
     pub(super) locked: LockedAxes,
     pub(super) force: ExternalForce,
 }
@@ -52,6 +56,8 @@ impl GivenItem<'_, '_> {
             density: self.density.copied().unwrap_or_default(),
             mass: self.mass.copied(),
             gravity: self.gravity.copied().unwrap_or_default(),
+            linear_damping: self.linear_damping.copied().unwrap_or_default(),
+            angular_damping: self.angular_damping.copied().unwrap_or_default(),
             locked: self.locked.copied().unwrap_or_default(),
             force: self.force.copied().unwrap_or_default(),
         }
@@ -96,6 +102,29 @@ impl GivenValues {
                 return Err(SimulationError::Number { what, value, expected });
             }
         }
-        Ok(())
+        self.check_damping()
+    }
+
+    fn check_damping(&self) -> Result<(), SimulationError> {
+        let numbers = [
+            ("linear damping", self.linear_damping.0),
+            ("angular damping", self.angular_damping.0),
+        ];
+        let refused = |value: f64| !(value >= 0.0 && (value as f32).is_finite());
+        match numbers.into_iter().find(|&(_, value)| refused(value)) {
+            Some((what, value)) => {
+                let expected = "a finite number, 0 or more";
+                Err(SimulationError::Number { what, value, expected })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Linear and angular, for the solver: what moves by its own velocity loses none.
+    pub(super) fn damping(&self, kind: BodyKind) -> [f64; 2] {
+        match kind {
+            BodyKind::Dynamic => [self.linear_damping.0, self.angular_damping.0],
+            _ => [0.0; 2],
+        }
     }
 }

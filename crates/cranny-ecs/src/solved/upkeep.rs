@@ -19,8 +19,8 @@ use crate::error::{Failure, SceneAppError};
 use crate::joints::Joint;
 use crate::kinematics::Kinematic;
 use crate::properties::{
-    AngularVelocity, Density, ExternalForce, ExternalImpulse, Friction, GravityScale,
-    LinearVelocity, LockedAxes, Mass, Restitution,
+    AngularDamping, AngularVelocity, Density, ExternalForce, ExternalImpulse, Friction,
+    GravityScale, LinearDamping, LinearVelocity, LockedAxes, Mass, Restitution, Sleeping,
 };
 use crate::response::Gravity;
 
@@ -95,7 +95,7 @@ impl Insertion<'_, '_> {
             if let Some(record) = self.records.get(body) {
                 self.bodies.leave(body, record.entity);
                 let mut entity = self.commands.entity(record.entity);
-                entity.try_remove::<SolverBody>();
+                entity.try_remove::<(SolverBody, Sleeping)>();
                 if record.kind == BodyKind::Kinematic {
                     entity.insert(Kinematic::of(&record.shape));
                 }
@@ -131,11 +131,21 @@ fn let_go(
 ) {
     if let Ok(&Body { id }) = query.get(removed.entity) {
         bodies.leave(id, removed.entity);
-        commands.entity(removed.entity).try_remove::<SolverBody>();
+        commands.entity(removed.entity).try_remove::<(SolverBody, Sleeping)>();
     }
 }
 
-type Defaulted = (Friction, Restitution, Density, Mass, GravityScale, LockedAxes, ExternalForce);
+type Defaulted = (
+    Friction,
+    Restitution,
+    Density,
+    Mass,
+    GravityScale,
+    LinearDamping,
+    AngularDamping,
+    LockedAxes,
+    ExternalForce,
+);
 
 fn note_lost(lost: On<Remove<Defaulted>>, mut bodies: ResMut<RigidBodies>) {
     bodies.bereft.push(lost.entity);
@@ -304,6 +314,8 @@ type AnyChanged = Or<(
     Changed<Density>,
     Changed<Mass>,
     Changed<GravityScale>,
+    Changed<LinearDamping>,
+    Changed<AngularDamping>,
     Changed<LockedAxes>,
     Changed<ExternalForce>,
 )>;

@@ -22,7 +22,7 @@ pub struct TrackedPose {
 }
 
 /// Why a tracker leaves a pose out.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PoseRefused {
     /// A time that is no number.
@@ -56,6 +56,13 @@ pub enum PoseRefused {
         "{MOST_WAITING} poses wait for their time to come: the device's clock is ahead, or `delay` is too long"
     )]
     Crowded,
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for PoseRefused {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// What became of the poses of a device.

@@ -18,7 +18,8 @@ fn app() -> App {
     let mut app = App::new();
     let options = PluginOptions { length_unit: Some(0.3), ..PluginOptions::default() };
     let plugins = CrannyPlugins::new(STEP).unwrap().effects(&[Effect::Response]).unwrap();
-    app.add_plugins(plugins.available(&[EffectKind::Deformation]).unwrap().options(&options));
+    let plugins = plugins.available(&[EffectKind::Deformation]).unwrap();
+    app.add_plugins(plugins.options(&options).keep_failures());
     app
 }
 

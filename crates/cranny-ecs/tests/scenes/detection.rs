@@ -44,7 +44,7 @@ fn touching_is_told_once_a_pair_by_message_and_to_each_body_by_event() {
         let done = app.steps_done() - 1;
         starts.extend(messages::<CollisionStart>(&app).iter().map(|m| (done, m.ids)));
         ends.extend(messages::<CollisionEnd>(&app).iter().map(|m| (done, m.ids)));
-        if !app.app().world().get::<TouchingBodies>(guest).unwrap().0.is_empty() {
+        if !app.app().world().get::<TouchingBodies>(guest).unwrap().is_empty() {
             touching.push(done);
         }
         more

@@ -3,6 +3,7 @@
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::RunSystemOnce;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
@@ -44,7 +45,7 @@ fn a_body_that_is_spawned_while_the_app_runs_falls_and_rests_and_is_reported_as_
     assert_eq!(touched, [[upper, third]]);
     assert!((height(&app, third) - 2.0).abs() < 0.01);
     let world = world(&mut app);
-    assert_eq!(world.get::<TouchingBodies>(upper).unwrap().0.len(), 2);
+    assert_eq!(world.get::<TouchingBodies>(upper).unwrap().len(), 2);
     assert_eq!(world.get::<BodyContacts>(third).unwrap().partners, 1);
     let bodies = world.resource::<Bodies>();
     let names: Vec<&str> = bodies.iter().map(|(_, record)| &*record.name).collect();
@@ -222,6 +223,130 @@ fn a_sensor_is_noticed_and_pushes_nothing() {
     assert!((height(&app, ball) - 1.0).abs() < 0.01, "{}", height(&app, ball));
 }
 
+/// A sensor brings `Trigger` along where nothing else would notice it, and only there.
+#[test]
+fn a_sensor_alone_is_noticed() {
+    let app = |available: &[EffectKind]| {
+        let mut app = bevy_app::App::new();
+        let early = app.world_mut().spawn((unit(), up(0.0), Sensor)).id();
+        let plugins = CrannyPlugins::new(0.25).unwrap().available(available).unwrap();
+        app.add_plugins(plugins.keep_failures());
+        (app, early)
+    };
+    let (mut app_, early) = app(&[EffectKind::Trigger, EffectKind::Proximity]);
+    let world = app_.world_mut();
+    let late = world.spawn((unit(), up(5.0), Sensor)).id();
+    let near = world.spawn((unit(), up(9.0), Sensor, Proximity { within: 1.0 })).id();
+    let guests = [0.5, 5.5, 9.5].map(|z| world.spawn((RigidBody::Kinematic, unit(), up(z))).id());
+    world.run_schedule(CrannyStep);
+    let touched = |world: &World, body: Entity| -> Vec<Entity> {
+        world.get::<TouchingBodies>(body).unwrap().entities().collect()
+    };
+    assert_eq!([touched(world, early), touched(world, late)], [[guests[0]], [guests[1]]]);
+    assert!(touched(world, near).is_empty(), "it says itself what notices it");
+    // Whoever wants to hear nothing of it removes the trigger.
+    world.entity_mut(late).remove::<Trigger>();
+    world.run_schedule(CrannyStep);
+    assert!(touched(world, late).is_empty() && !world.resource::<Failure>().is_set());
+    // Pairs may ask for what notices it; where nothing can, the app is told.
+    let (mut app_, _) = app(&[EffectKind::Proximity]);
+    app_.world_mut().run_schedule(CrannyStep);
+    assert!(!app_.world().resource::<Failure>().is_set());
+    let (mut app_, _) = app(&[]);
+    app_.world_mut().run_schedule(CrannyStep);
+    let said = app_.world_mut().resource_mut::<Failure>().take().unwrap().to_string();
+    assert!(said.contains("is a sensor, but no effect of the app notices"), "{said}");
+}
+
+#[test]
+fn messages_say_who_is_who() {
+    #[derive(Component)]
+    struct Gate;
+    let mut app = empty(&[Effect::TRIGGER]);
+    let guest = (RigidBody::Kinematic, unit(), up(0.5));
+    let guest = world(&mut app).spawn(guest).id();
+    let gate = world(&mut app).spawn((unit(), up(0.0), Gate)).id();
+    let aside = world(&mut app).spawn((unit(), up(9.0), Gate)).id();
+    steps(&mut app, 1);
+    let start = messages::<CollisionStart>(&app)[0];
+    assert_eq!((start.body, start.other), (guest, gate));
+    assert_eq!([guest, gate, aside].map(|body| start.involves(body)), [true, true, false]);
+    let others = [guest, gate, aside].map(|body| start.other_than(body));
+    assert_eq!(others, [Some(gate), Some(guest), None]);
+    let touched = world(&mut app).get::<TouchingBodies>(gate).unwrap().clone();
+    assert!(touched.contains(guest) && !touched.contains(aside) && touched.len() == 1);
+    assert!(touched.entities().eq([guest]) && touched.ids().eq([BodyId(0)]));
+    let found = world(&mut app).run_system_once(move |gates: Query<(), With<Gate>>| {
+        (start.one_of(&gates), start.flipped().one_of(&gates))
+    });
+    assert_eq!(found.unwrap(), (Some((gate, guest)), Some((gate, guest))));
+}
+
+/// A body that turns and flies in a void: damping takes of both as it says, a spring of its own.
+#[cfg(feature = "rapier")]
+#[test]
+fn damping_slows_down_what_moves() {
+    let mut app = empty(&[Effect::Response]);
+    world(&mut app).resource_mut::<Gravity>().0 = DVec3::ZERO;
+    let flies = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::Z));
+    let damped = (LinearDamping(2.0), AngularDamping(1.0));
+    let thrown = (RigidBody::Dynamic, unit(), up(0.0), flies, damped);
+    let thrown = world(&mut app).spawn(thrown).id();
+    let speeds = |app: &SceneApp| {
+        let world = app.app().world();
+        let linear = world.get::<LinearVelocity>(thrown).unwrap().0.x;
+        [linear, world.get::<AngularVelocity>(thrown).unwrap().0.z]
+    };
+    steps(&mut app, 64); // a second
+    let [linear, angular] = speeds(&app);
+    assert!((linear - (-2.0_f32).exp()).abs() < 0.01, "{linear}");
+    assert!((angular - (-1.0_f32).exp()).abs() < 0.01, "{angular}");
+    // What is removed ends in the same step.
+    world(&mut app).entity_mut(thrown).remove::<(LinearDamping, AngularDamping)>();
+    steps(&mut app, 8);
+    let [of_linear, of_angular] = speeds(&app);
+    assert!((of_linear - linear).abs() < 1e-4 && (of_angular - angular).abs() < 1e-4);
+    // A kinematic body keeps its velocity, and is damped once it is dynamic.
+    let moves = (RigidBody::Kinematic, LinearVelocity(Vec3::X), LinearDamping(2.0));
+    world(&mut app).entity_mut(thrown).insert(moves);
+    steps(&mut app, 8);
+    assert_eq!(speeds(&app)[0], 1.0);
+    world(&mut app).entity_mut(thrown).insert(RigidBody::Dynamic);
+    steps(&mut app, 1);
+    assert!((speeds(&app)[0] - 1.0 / (1.0 + 2.0 / 64.0)).abs() < 1e-6);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn damping_that_is_no_share_is_refused_with_its_value() {
+    let refused = |damping: f64| {
+        let mut app = empty(&[Effect::Response]);
+        let [_, upper] = stack(&mut app);
+        world(&mut app).entity_mut(upper).insert(AngularDamping(damping));
+        app.step().unwrap_err().to_string()
+    };
+    let said = refused(-0.5);
+    assert!(said.contains("'body#1': angular damping is -0.5"), "{said}");
+    assert!(refused(f64::NAN).contains("NaN") && refused(1e300).contains("angular damping"));
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_body_that_sleeps_says_so_until_it_wakes() {
+    let mut app = empty(&[Effect::Response]);
+    let [floor, upper] = stack(&mut app);
+    let sleeps = |app: &SceneApp, body| app.app().world().get::<Sleeping>(body).is_some();
+    steps(&mut app, 192);
+    assert!(sleeps(&app, upper) && !sleeps(&app, floor));
+    world(&mut app).get_mut::<LinearVelocity>(upper).unwrap().0 = Vec3::Z;
+    steps(&mut app, 1);
+    assert!(!sleeps(&app, upper));
+    steps(&mut app, 400);
+    assert!(sleeps(&app, upper));
+    world(&mut app).entity_mut(upper).remove::<Collider>();
+    assert!(!sleeps(&app, upper), "what is no body does not sleep");
+}
+
 #[cfg(feature = "rapier")]
 #[test]
 fn layers_and_pairs_keep_bodies_apart_until_they_do_not() {
@@ -313,7 +438,7 @@ fn bodies_and_pairs_ask_for_effects_that_the_app_has() {
     let plugins = CrannyPlugins::new(0.25).unwrap();
     let plugins = plugins.available(&[EffectKind::Trigger, EffectKind::Contacts]).unwrap();
     let mut app = bevy_app::App::empty();
-    app.add_plugins(plugins);
+    app.add_plugins(plugins.keep_failures());
     let world = app.world_mut();
     let unit = unit();
     let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
@@ -323,8 +448,8 @@ fn bodies_and_pairs_ask_for_effects_that_the_app_has() {
     world.spawn((BodyPair { a, b: c }, Contacts { margin: 0.5 }));
     world.run_schedule(CrannyStep);
     let touching = |world: &World, body| {
-        let ids = &world.get::<TouchingBodies>(body).unwrap().0;
-        ids.iter().map(|id| id.0).collect::<Vec<u32>>()
+        let touched = world.get::<TouchingBodies>(body).unwrap();
+        touched.ids().map(|id| id.0).collect::<Vec<u32>>()
     };
     assert_eq!(touching(world, b), [0, 2]);
     assert_eq!(touching(world, a), [1]);
@@ -438,7 +563,7 @@ fn a_body_that_is_despawned_as_its_collision_is_reported_ends_in_the_next_step()
         ends.extend(messages::<CollisionEnd>(&app).iter().map(|end| [end.body, end.other]));
     }
     assert_eq!((starts.len(), &ends[..]), (1, &[[post, guest]][..]));
-    assert!(app.app().world().get::<TouchingBodies>(post).unwrap().0.is_empty());
+    assert!(app.app().world().get::<TouchingBodies>(post).unwrap().is_empty());
 }
 
 #[test]
@@ -451,7 +576,7 @@ fn a_trigger_that_comes_or_goes_on_what_touches_begins_and_ends_it() {
     let b = world.spawn((RigidBody::Kinematic, unit(), up(0.5))).id();
     let touching = |world: &mut World| {
         world.run_schedule(CrannyStep);
-        [a, b].map(|body| world.get::<TouchingBodies>(body).unwrap().0.len())
+        [a, b].map(|body| world.get::<TouchingBodies>(body).unwrap().len())
     };
     assert_eq!(touching(world), [0, 0]);
     world.entity_mut(b).insert(Trigger);
@@ -495,7 +620,8 @@ fn a_body_that_asks_for_no_response_any_more_stands_still() {
 fn what_was_spawned_before_the_plugins_is_a_body_too_and_a_parent_is_refused() {
     let mut app = bevy_app::App::empty();
     let early = app.world_mut().spawn((Name::new("early"), unit(), up(0.0))).id();
-    app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[Effect::TRIGGER]).unwrap());
+    let plugins = CrannyPlugins::new(0.25).unwrap().effects(&[Effect::TRIGGER]).unwrap();
+    app.add_plugins(plugins.keep_failures());
     let world = app.world_mut();
     world.run_schedule(CrannyStep);
     assert_eq!(world.get::<Body>(early).map(|body| body.id), Some(BodyId(0)));

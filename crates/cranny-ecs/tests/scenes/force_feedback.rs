@@ -205,7 +205,7 @@ fn a_hand_feels_no_sensor() {
         let mut app = empty(&[Effect::ForceFeedback { stiffness: STIFFNESS }]);
         let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
         if sensor {
-            world(&mut app).entity_mut(floor).insert(Sensor);
+            world(&mut app).entity_mut(floor).insert(Sensor).remove::<Trigger>();
         }
         let down = LinearVelocity(Vec3::new(0.0, 0.0, -0.64));
         let hand = world(&mut app).spawn((RigidBody::Kinematic, unit(), up(1.1), down)).id();

@@ -17,6 +17,8 @@ mod force_feedback;
 mod hashes;
 mod levels;
 mod links;
+#[cfg(feature = "rapier")]
+mod meshes;
 mod parts;
 mod paths;
 mod penetration;

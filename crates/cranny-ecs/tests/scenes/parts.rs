@@ -152,6 +152,43 @@ fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
     assert!(model.is_same(&record(&app, one).shape));
 }
 
+/// What is said beside a part is said of nobody: it is refused, there from the start or later.
+#[test]
+fn rules_of_a_part_are_refused_by_name() {
+    let refused = |rule: fn(&mut EntityWorldMut<'_>), late: bool| {
+        let mut app = empty(&[Effect::TRIGGER]);
+        let body = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+        let handle = (Name::new("handle"), unit(), up(3.0), ChildOf(body));
+        let handle = world(&mut app).spawn(handle).id();
+        if late {
+            steps(&mut app, 1);
+        }
+        rule(&mut world(&mut app).entity_mut(handle));
+        app.step().unwrap_err().to_string()
+    };
+    let rules: [(&str, fn(&mut EntityWorldMut<'_>)); 12] = [
+        ("Sensor", |part| _ = part.insert(Sensor)),
+        ("Trigger", |part| _ = part.insert(Trigger)),
+        ("Proximity", |part| _ = part.insert(Proximity { within: 1.0 })),
+        ("Contacts", |part| _ = part.insert(Contacts { margin: 0.0 })),
+        ("Friction", |part| _ = part.insert(Friction::new(0.1))),
+        ("Restitution", |part| _ = part.insert(Restitution::new(0.1))),
+        ("Density", |part| _ = part.insert(Density(7.8))),
+        ("LinearDamping", |part| _ = part.insert(LinearDamping(0.1))),
+        ("ExternalForce", |part| _ = part.insert(ExternalForce::default())),
+        ("LinearVelocity", |part| _ = part.insert(LinearVelocity(Vec3::X))),
+        ("CollisionLayers", |part| _ = part.insert(CollisionLayers::shared(2))),
+        ("SmoothNormals", |part| _ = part.insert(SmoothNormals { crease_angle: 0.4 })),
+    ];
+    for (name, rule) in rules {
+        for late in [false, true] {
+            let said = refused(rule, late);
+            let wrong = format!("'handle' has a {name} of its own");
+            assert!(said.contains(&wrong) && said.contains("beside the RigidBody"), "{said}");
+        }
+    }
+}
+
 #[test]
 fn what_no_body_can_be_made_of_is_said() {
     // A body of its own below another body.

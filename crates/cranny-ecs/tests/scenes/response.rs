@@ -40,7 +40,7 @@ fn a_box_falls_and_rests_and_is_detected_once() {
     let stats = world.resource::<Detected>().report.as_ref().unwrap().stats;
     assert_eq!((stats.supplied_pairs, stats.queried_pairs), (1, 0));
     assert_eq!(world.resource::<ContactReport>().pairs.len(), 1);
-    assert_eq!(world.get::<TouchingBodies>(entity(&app, "box")).unwrap().0.len(), 1);
+    assert_eq!(world.get::<TouchingBodies>(entity(&app, "box")).unwrap().len(), 1);
     let summary = app.finish().unwrap();
     assert!(summary.energy_drift.unwrap() < 0.01);
     assert!(summary.energy.unwrap().loss > 0.5);

@@ -256,7 +256,7 @@ fn a_contact_begins_beyond_the_tolerance_and_ends_beyond_it() {
         let seen = show(&mut app, tracked, Some(x), 3);
         let mut touching = SystemState::<Collisions>::new(world(&mut app));
         let touches = touching.get(app.app().world()).unwrap().are_touching(fixed, tracked);
-        let listed = !app.app().world().get::<TouchingBodies>(fixed).unwrap().0.is_empty();
+        let listed = !app.app().world().get::<TouchingBodies>(fixed).unwrap().is_empty();
         assert_eq!(touches, listed, "two ways to one answer");
         (seen, touches)
     };

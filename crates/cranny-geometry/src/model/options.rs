@@ -75,7 +75,7 @@ pub(crate) fn no_area(faces: usize) -> String {
 }
 
 /// A model that cannot be prepared.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
     /// The mesh holds no triangle with an area.
@@ -100,6 +100,13 @@ pub enum BuildError {
     /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
     #[error("the repaired mesh could not be proved to be the same surface: {0}")]
     NotProved(#[from] ProofError),
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for BuildError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// A stage of preparation, reported to whoever measures times (this crate reads no clock).

@@ -59,7 +59,7 @@ pub struct BodySpec {
 pub struct BodyIndex(pub u32);
 
 /// A body that cannot be inserted.
-#[derive(Debug, Error)]
+#[derive(Error)]
 #[non_exhaustive]
 pub enum SimulationError {
     /// Its shape.
@@ -81,6 +81,13 @@ pub enum SimulationError {
         /// What it must be.
         expected: &'static str,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for SimulationError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 impl BodySpec {

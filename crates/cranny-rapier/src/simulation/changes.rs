@@ -197,6 +197,16 @@ impl Simulation {
         self.bodies[handle].set_gravity_scale(scale as Real, true);
     }
 
+    /// By how much a dynamic body slows down of itself: in each second its linear and its angular
+    /// velocity lose these shares of what they are then; 0 until then. Links of trees of reduced
+    /// joints slow down by the resistance of their joints alone.
+    pub fn set_damping(&mut self, body: BodyIndex, linear: f64, angular: f64) {
+        let handle = self.handle(body);
+        let rigid = &mut self.bodies[handle];
+        rigid.set_linear_damping(linear as Real);
+        rigid.set_angular_damping(angular as Real);
+    }
+
     /// Which motions a body cannot make: translations along world x, y, z, then rotations about
     /// them.
     pub fn set_locked_axes(&mut self, body: BodyIndex, translations: [bool; 3], turns: [bool; 3]) {

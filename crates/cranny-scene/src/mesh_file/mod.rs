@@ -111,7 +111,7 @@ pub struct MeshFile {
 }
 
 /// Why a mesh file was not read.
-#[derive(Debug, Error)]
+#[derive(Error)]
 #[non_exhaustive]
 pub enum MeshFileError {
     /// The file cannot be opened or read.
@@ -141,6 +141,13 @@ pub enum MeshFileError {
         /// Where and what.
         source: DecodeError,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for MeshFileError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Reads a mesh file; its extension names the format.

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::{Robot, RobotJoint};
 
 /// A joint position that cannot be taken.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PositionError {
     /// No joint of that name.
@@ -34,6 +34,13 @@ pub enum PositionError {
         /// Value found.
         value: f64,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for PositionError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 impl Robot {

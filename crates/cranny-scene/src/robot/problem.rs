@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::mesh_file::MeshFileError;
 
 /// Why a URDF file is no robot.
-#[derive(Debug, Error)]
+#[derive(Error)]
 #[non_exhaustive]
 pub enum RobotError {
     /// The file cannot be opened or read.
@@ -90,6 +90,13 @@ pub enum RobotError {
         /// What is wrong with the mesh file.
         source: Box<MeshFileError>,
     },
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for RobotError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 fn at(line: Option<u32>) -> String {

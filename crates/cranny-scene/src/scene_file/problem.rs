@@ -13,7 +13,7 @@ use crate::mesh_file::MeshFileError;
 use crate::robot::{PositionError, RobotError};
 
 /// Why a scene was not loaded. [`miette`] shows the place in the file.
-#[derive(Debug, Error, Diagnostic)]
+#[derive(Error, Diagnostic)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The file cannot be opened or read.
@@ -28,6 +28,13 @@ pub enum SceneError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Invalid(Box<Located>),
+}
+
+/// The message: a `main` that fails prints an error by `Debug`.
+impl std::fmt::Debug for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 /// Something wrong at a place of a scene file.

@@ -5,4 +5,5 @@ mod closed_shell;
 mod household;
 mod mating;
 mod parameters;
+mod readme;
 mod solids;
