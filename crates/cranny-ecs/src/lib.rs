@@ -138,7 +138,7 @@ pub use painting::{
 };
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
-pub use paths::{FollowsPath, PathPlugin, PathSystems};
+pub use paths::{FollowsMotorPath, FollowsPath, PathPlugin, PathSystems};
 pub use penetration::{PenetrationPair, PenetrationPlugin, PenetrationReport, PenetrationSystems};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};

@@ -20,7 +20,7 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
-use crate::paths::FollowsPath;
+use crate::paths::{FollowsMotorPath, FollowsPath};
 use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
@@ -143,6 +143,11 @@ impl SpawnScene {
                 reduced: joint.reduced,
                 start: joint.start,
             });
+            if let Some(path) = &joint.path {
+                let since = world.resource::<SimulatedTime>().seconds();
+                let path = Arc::clone(path);
+                world.entity_mut(entity).insert(FollowsMotorPath { path, since });
+            }
         }
     }
 

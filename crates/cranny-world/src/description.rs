@@ -10,9 +10,12 @@ use cranny_primitives::{BodyShape, Primitive};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+mod keyframes;
+mod motor_path;
 mod path;
 mod tracker;
 
+pub use motor_path::{MotorKeyframe, MotorPath};
 pub use path::{Interpolation, Keyframe, KeyframedPath, PathEnd, PathError};
 pub use tracker::{OneEuro, SimulatedDevice, TrackerDescription, TrackerError, TrackerSettings};
 
@@ -345,6 +348,8 @@ pub struct JointDescription {
     pub mimic: Option<Mimic>,
     /// What drives it, if anything does.
     pub motor: Option<Motor>,
+    /// Where the motor leads it over time, in place of the motor's position and velocity.
+    pub path: Option<Arc<MotorPath>>,
     /// What resists its motion.
     pub resistance: Resistance,
     /// Whether its position is a coordinate of a tree of bodies, so that it does not yield, rather
@@ -441,6 +446,15 @@ impl JointKind {
             Self::Rope { .. } => "Rope",
             Self::Spring(_) => "Spring",
             Self::Floating => "Floating",
+        }
+    }
+
+    /// Least and greatest position, if it has one and is bounded.
+    #[must_use]
+    pub fn limits(&self) -> Option<[f64; 2]> {
+        match *self {
+            Self::Revolute { limits, .. } | Self::Prismatic { limits, .. } => limits,
+            _ => None,
         }
     }
 

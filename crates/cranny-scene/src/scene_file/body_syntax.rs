@@ -3,7 +3,9 @@
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Repair;
 use cranny_shapes::Shape;
-use cranny_world::description::{BodyKind, Interpolation, Material, Normals, PathEnd};
+use cranny_world::description::{
+    BodyKind, Interpolation, Material, MotorKeyframe, MotorPath, Normals, PathEnd, PathError,
+};
 use serde::Deserialize;
 
 use super::effect::EffectFile;
@@ -226,6 +228,36 @@ pub(super) struct KeyframeFile {
     pub(super) time: NotNegative,
     #[serde(default)]
     pub(super) pose: PoseFile,
+}
+
+/// Positions of a joint at times.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "MotorPath")]
+pub(super) struct MotorPathFile {
+    keyframes: Vec<MotorKeyframeFile>,
+    #[serde(default)]
+    interpolation: InterpolationFile,
+    #[serde(default)]
+    end: PathEndFile,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "MotorKeyframe")]
+struct MotorKeyframeFile {
+    /// Seconds.
+    time: NotNegative,
+    position: Finite,
+}
+
+impl MotorPathFile {
+    pub(super) fn path(&self) -> Result<MotorPath, PathError> {
+        let keyframe = |MotorKeyframeFile { time, position }: &MotorKeyframeFile| MotorKeyframe {
+            time: time.0,
+            position: position.0,
+        };
+        let keyframes = self.keyframes.iter().map(keyframe).collect();
+        MotorPath::new(keyframes, self.interpolation.into(), self.end.into())
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]

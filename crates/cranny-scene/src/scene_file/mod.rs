@@ -30,6 +30,7 @@ mod geometry;
 mod include;
 mod locate;
 mod mass;
+mod motor_path;
 mod pile;
 mod place_joint;
 mod place_robot;

@@ -11,7 +11,7 @@ use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::body_syntax::{
-    BodyFile, KindFile, MaterialFile, NormalsFile, PoseFile, ShapeFile, all_layers,
+    BodyFile, KindFile, MaterialFile, MotorPathFile, NormalsFile, PoseFile, ShapeFile, all_layers,
 };
 use super::effect::EffectFile;
 use super::locate::{byte_at, field_before};
@@ -167,6 +167,9 @@ pub(super) struct RobotFile {
     /// What drives single joints.
     #[serde(default)]
     pub(super) motors: BTreeMap<String, MotorFile>,
+    /// Where motors lead single joints over time.
+    #[serde(default)]
+    pub(super) paths: BTreeMap<String, MotorPathFile>,
     /// Which links may meet each other.
     #[serde(default)]
     pub(super) self_collisions: SelfCollisionsFile,
@@ -248,6 +251,9 @@ pub(super) struct JointFile {
     pub(super) target: Option<Finite>,
     #[serde(default)]
     pub(super) motor: Option<MotorFile>,
+    /// Where the motor leads it over time.
+    #[serde(default)]
+    pub(super) path: Option<MotorPathFile>,
     /// Whether the two bodies may meet.
     #[serde(default)]
     pub(super) collide: bool,

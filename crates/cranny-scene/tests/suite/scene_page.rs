@@ -143,6 +143,8 @@ fn every_field_that_is_read_is_on_the_page() {
         ("Groups", "(groups: [Pile(region: (zzz: 1))])".to_owned()),
         ("Robots", "(robots: [(zzz: 1)])".to_owned()),
         ("Robots", "(robots: [(motors: {\"a\": (zzz: 1)})])".to_owned()),
+        ("Joints", "(robots: [(paths: {\"a\": (zzz: 1)})])".to_owned()),
+        ("Joints", "(joints: [(path: (keyframes: [(zzz: 1)]))])".to_owned()),
         ("Robots", "(robots: [(self_collisions: Zzz)])".to_owned()),
         ("Joints", "(joints: [(zzz: 1)])".to_owned()),
         ("Joints", "(joints: [(kind: Zzz())])".to_owned()),
