@@ -24,7 +24,7 @@ use cranny_world::description::{BodyKind, Effect};
 
 use crate::body::{Bodies, Body, BodyRecord};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
-use crate::collider::{Collider, VisualMesh};
+use crate::collider::{Collider, Painted, VisualMesh};
 use crate::effect_components::effects_of;
 use crate::effects::{BodyEffects, EffectTable};
 use crate::error::{Failure, SceneAppError};
@@ -186,6 +186,7 @@ fn described(
         name,
         shape,
         visual: entity.get::<VisualMesh>().map(|visual| visual.0.clone()),
+        color: entity.get::<Painted>().map(|painted| painted.0),
         kind,
         normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
     };

@@ -14,7 +14,7 @@ use cranny_world::description::{
 
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
-use crate::collider::{Collider, VisualMesh};
+use crate::collider::{Collider, Painted, VisualMesh};
 use crate::effect_components::{PairAccuracy, add_effects};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
@@ -181,6 +181,9 @@ impl SpawnScene {
         }
         if let Some(visual) = &body.visual {
             entity.insert(VisualMesh(visual.clone()));
+        }
+        if let Some(color) = body.color {
+            entity.insert(Painted(color));
         }
         if let Normals::Smooth { crease_angle } = body.normals {
             entity.insert(SmoothNormals { crease_angle });

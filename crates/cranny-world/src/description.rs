@@ -106,6 +106,8 @@ pub struct BodyDescription {
     pub shape: Option<BodyShape>,
     /// Geometry to draw where it differs.
     pub visual: Option<Arc<Mesh>>,
+    /// Colour to draw it in; `None`: one that tells it from its neighbours.
+    pub color: Option<BodyColor>,
     /// How it moves.
     pub kind: BodyKind,
     /// Where it starts.
@@ -140,6 +142,25 @@ impl BodyDescription {
     #[must_use]
     pub fn primitive(&self) -> Option<&Primitive> {
         self.shape.as_ref().and_then(BodyShape::primitive)
+    }
+}
+
+/// A colour in sRGB: red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BodyColor(pub [u8; 3]);
+
+impl BodyColor {
+    /// Of channels from 0 to 1; `None` where one is outside.
+    #[must_use]
+    pub fn of_shares(channels: [f64; 3]) -> Option<Self> {
+        let known = channels.iter().all(|channel| (0.0..=1.0).contains(channel));
+        known.then(|| Self(channels.map(|channel| (255.0 * channel).round() as u8)))
+    }
+
+    /// Channels from 0 to 1.
+    #[must_use]
+    pub fn shares(self) -> [f64; 3] {
+        self.0.map(|channel| f64::from(channel) / 255.0)
     }
 }
 

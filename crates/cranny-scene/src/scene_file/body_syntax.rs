@@ -12,7 +12,7 @@ use super::effect::EffectFile;
 use super::primitive::PrimitiveFile;
 use super::tracker::TrackerFile;
 use super::values::{
-    Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
+    Axis, ColorFile, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
 };
 use crate::robot::about;
 
@@ -23,6 +23,8 @@ pub(super) struct BodyFile {
     pub(super) shape: ShapeFile,
     #[serde(default)]
     pub(super) visual: Option<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
     #[serde(default)]
     pub(super) kind: KindFile,
     #[serde(default)]

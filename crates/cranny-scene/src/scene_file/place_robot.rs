@@ -270,6 +270,7 @@ impl Placing<'_> {
             collision,
             shape: Some(shape),
             visual: described.visual.clone(),
+            color: described.color,
             kind: if self.is_base(group) { BodyKind::Fixed } else { BodyKind::Dynamic },
             pose,
             linear_velocity: DVec3::ZERO,
@@ -344,6 +345,7 @@ impl Placing<'_> {
         if self.link_of_body[body] != link
             && let Some(visual) = &described.visual
         {
+            self.bodies[body].color = self.bodies[body].color.or(described.color);
             let carrier = self.link_of_body[body];
             let before = self.bodies[body].visual.take();
             let before = before.or_else(|| self.robot.links[carrier].collision.clone());

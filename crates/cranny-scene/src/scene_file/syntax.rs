@@ -16,7 +16,7 @@ use super::body_syntax::{
 use super::effect::EffectFile;
 use super::locate::{byte_at, field_before};
 use super::problem::{SceneError, SceneProblem, located};
-use super::values::{Axis, Finite, NotNegative, Positive, Vector};
+use super::values::{Axis, ColorFile, Finite, NotNegative, Positive, Vector};
 
 /// A whole file.
 #[derive(Debug, Deserialize)]
@@ -115,6 +115,8 @@ pub(super) struct PileFile {
     #[serde(default = "pile_gap")]
     pub(super) gap: NotNegative,
     pub(super) shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
     #[serde(default)]
     pub(super) kind: KindFile,
     #[serde(default)]

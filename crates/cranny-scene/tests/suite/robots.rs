@@ -550,13 +550,39 @@ fn links_that_meet_along_a_path_and_paths_that_are_too_fast_are_warned_of() {
         )
     };
     let warnings = |to: f64| Files::new().loaded(&text, &path(to)).unwrap().warnings;
-    let meets = |to: f64| warnings(to).iter().any(|what| what.contains("b - c (first seen at 2.766"));
+    let meets =
+        |to: f64| warnings(to).iter().any(|what| what.contains("b - c (first seen at 2.766"));
     assert!(meets(-1.0) && !meets(-0.5), "{:?}", warnings(-1.0));
     let fast = path(-1.0).replace("time: 3", "time: 1.5");
     let loaded = Files::new().loaded(&text, &fast).unwrap();
     let says =
         "joint \"slide\": its path asks for a velocity of 2 after 1 s, but 1 is its greatest";
     assert!(loaded.warnings.iter().any(|what| what.contains(says)), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn links_have_the_color_of_the_material_with_the_greatest_surface() {
+    let visual = |size: f64, material: &str| {
+        format!("<visual><geometry><box size=\"{size} 1 1\"/></geometry>{material}</visual>")
+    };
+    let named = "<material name=\"paint\"/>";
+    let own = "<material name=\"own\"><color rgba=\"0 0 1 1\"/></material>";
+    let bytes = "<material name=\"bytes\"><color rgba=\"255 0 0 255\"/></material>";
+    let text = urdf(&format!(
+        "<link name=\"a\">{}{}{}</link><link name=\"b\">{}</link><link name=\"c\">{}</link>{}{}<material name=\"paint\"><color rgba=\"1 0.5 0 0.5\"/></material>",
+        visual(2.0, own),
+        visual(3.0, named),
+        visual(9.0, ""),
+        visual(1.0, bytes),
+        visual(1.0, "<material name=\"none\"/>"),
+        joint("j", "fixed", "a", "b", ""),
+        joint("k", "fixed", "a", "c", "")
+    ));
+    let robot = Files::new().read(&text).unwrap();
+    let colors: Vec<_> = robot.links.iter().map(|link| link.color.map(|color| color.0)).collect();
+    assert_eq!(colors, [Some([255, 128, 0]), None, None]);
+    let says = "line 3: link \"b\" has the color \"255 0 0 255\", which is not four numbers";
+    assert!(robot.notes.iter().any(|note| note.contains(says)), "{:?}", robot.notes);
 }
 
 #[test]
