@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_exact::DVec3;
-use cranny_world::description::{Accuracy, Effect, RecordDescription};
+use cranny_world::description::{
+    Accuracy, BodyColor, BodyKind, Effect, Material, Normals, RecordDescription,
+};
 use ron::Error;
 use ron::extensions::Extensions;
 use serde::Deserialize;
@@ -98,6 +100,81 @@ fn default_duration() -> NotNegative {
 #[serde(deny_unknown_fields, rename = "Group")]
 pub(super) enum GroupFile {
     Pile(PileFile),
+    Grid(GridFile),
+}
+
+/// What all groups say of their bodies.
+pub(super) struct PieceFile<'a> {
+    /// How the group is made.
+    pub(super) rule: &'static str,
+    pub(super) name: &'a str,
+    pub(super) shapes: &'a [ShapeFile],
+    pub(super) color: Option<BodyColor>,
+    pub(super) kind: BodyKind,
+    pub(super) material: Material,
+    pub(super) normals: Normals,
+    pub(super) layers: &'a [String],
+    pub(super) effects: &'a [EffectFile],
+}
+
+impl PieceFile<'_> {
+    /// The name of a body, by number.
+    pub(super) fn name_of(&self, number: usize) -> String {
+        format!("{}_{number}", self.name)
+    }
+}
+
+macro_rules! pieces {
+    ($group:ident, $rule:literal) => {
+        PieceFile {
+            rule: $rule,
+            name: &$group.name,
+            shapes: &$group.shapes,
+            color: $group.color.map(|color| color.0),
+            kind: $group.kind.into(),
+            material: $group.material.into(),
+            normals: $group.normals.into(),
+            layers: &$group.layers,
+            effects: &$group.effects,
+        }
+    };
+}
+
+impl GroupFile {
+    pub(super) fn pieces(&self) -> PieceFile<'_> {
+        match self {
+            Self::Pile(pile) => pieces!(pile, "pile"),
+            Self::Grid(grid) => pieces!(grid, "grid"),
+        }
+    }
+}
+
+/// Bodies `<name>_0` … in rows, columns and layers, all in one orientation.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Grid")]
+pub(super) struct GridFile {
+    #[serde(default = "pile_name")]
+    pub(super) name: String,
+    /// Along x, y and z.
+    pub(super) count: [u32; 3],
+    /// From body to body.
+    pub(super) spacing: Vector,
+    /// Of the first one.
+    #[serde(default)]
+    pub(super) pose: PoseFile,
+    pub(super) shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
+    #[serde(default)]
+    pub(super) kind: KindFile,
+    #[serde(default)]
+    pub(super) material: MaterialFile,
+    #[serde(default)]
+    pub(super) normals: NormalsFile,
+    #[serde(default = "all_layers")]
+    pub(super) layers: Vec<String>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
 }
 
 /// Bodies `<name>_0` … in a region, apart from each other, in random order and orientation.

@@ -140,6 +140,8 @@ fn every_field_that_is_read_is_on_the_page() {
         ("Trackers", scene("tracker: (smoothing: (zzz: 1))")),
         ("Trackers", scene("tracker: (device: (zzz: 1))")),
         ("Groups", "(groups: [Pile(zzz: 1)])".to_owned()),
+        ("Groups", "(groups: [Grid(zzz: 1)])".to_owned()),
+        ("Groups", "(groups: [Zzz(zzz: 1)])".to_owned()),
         ("Groups", "(groups: [Pile(region: (zzz: 1))])".to_owned()),
         ("Robots", "(robots: [(zzz: 1)])".to_owned()),
         ("Robots", "(robots: [(motors: {\"a\": (zzz: 1)})])".to_owned()),
