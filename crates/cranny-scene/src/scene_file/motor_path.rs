@@ -7,6 +7,10 @@ use cranny_world::description::{Motor, MotorPath};
 use super::body_syntax::MotorPathFile;
 use super::syntax::MotorFile;
 
+/// Greatest velocity of a motor on a path, where none is stated, beside that of its path. Smaller: a
+/// joint that was held back never catches up; larger: it does so with a jerk.
+const CATCHES_UP: f64 = 2.0;
+
 /// What is to lead a joint: where its motor pulls, and where it goes over time.
 pub(super) struct Drive<'a> {
     pub(super) motor: Option<&'a MotorFile>,
@@ -54,10 +58,15 @@ impl Drive<'_> {
         held: Option<f64>,
     ) -> Option<Motor> {
         let target = path.map(|path| path.position_at(0.0)).or(self.target);
-        match self.motor {
-            Some(said) => Some(said.motor(target, limited)),
-            None => target.or(held).map(|at| Motor { position: Some(at), ..limited }),
+        let mut motor = match self.motor {
+            Some(said) => said.motor(target, limited),
+            None => Motor { position: Some(target.or(held)?), ..limited },
+        };
+        if motor.stiffness.is_none() && motor.max_velocity.is_none() {
+            let fastest = path.and_then(MotorPath::fastest);
+            motor.max_velocity = fastest.map(|(_, speed)| CATCHES_UP * speed);
         }
+        Some(motor)
     }
 }
 

@@ -76,8 +76,8 @@ fn check_and_run_name_what_overlaps_at_the_start() {
     let says = "\"block\" and \"stone\" overlap by 0.250000 at the start";
     let checked = &run(&["check", &scene, "--format", "json"]).json_lines()[0];
     assert!(checked["warnings"][0].as_str().unwrap().starts_with(says), "{checked}");
-    let ran = run(&["run", &scene]);
+    let ran = run(&["run", &scene, "--verbose"]);
     assert!(ran.code == Some(0) && ran.stderr.contains(says), "{ran:?}");
-    let apart = run(&["run", &scene, "--set", "bodies.block.pose.at.x=1.5"]);
+    let apart = run(&["run", &scene, "--verbose", "--set", "bodies.block.pose.at.x=1.5"]);
     assert!(!apart.stderr.contains("overlap"), "{apart:?}");
 }
