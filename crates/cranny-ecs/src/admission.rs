@@ -25,7 +25,7 @@ use cranny_world::description::{BodyKind, Effect};
 
 use crate::body::{Bodies, Body, BodyRecord};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
-use crate::collider::{Collider, VisualMesh};
+use crate::collider::{Collider, Painted, VisualMesh};
 use crate::effect_components::{Trigger, effects_of};
 use crate::effects::{BodyEffects, EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
@@ -235,6 +235,7 @@ fn described(
         name,
         shape,
         visual: entity.get::<VisualMesh>().map(|visual| visual.0.clone()),
+        color: entity.get::<Painted>().map(|painted| painted.0),
         kind,
         normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
     };

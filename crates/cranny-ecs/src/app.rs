@@ -59,6 +59,7 @@ pub struct RunOptions {
 ///     collision: Arc::new(cranny_shapes::Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
 ///     shape: None,
 ///     visual: None,
+///     color: None,
 ///     kind,
 ///     pose: Pose::at(DVec3::new(x, 0.0, 0.0)),
 ///     linear_velocity: DVec3::new(velocity, 0.0, 0.0),

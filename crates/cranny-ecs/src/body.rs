@@ -10,7 +10,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_primitives::BodyShape;
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, Normals};
+use cranny_world::description::{BodyColor, BodyKind, Normals};
 use glam::DQuat;
 
 #[cfg(any(feature = "record", feature = "render"))]
@@ -45,6 +45,8 @@ pub struct BodyRecord {
     pub shape: BodyShape,
     /// Geometry to draw, where it differs from the shape.
     pub visual: Option<Arc<Mesh>>,
+    /// Colour to draw it in, where one is stated.
+    pub color: Option<BodyColor>,
     /// How it moves.
     pub kind: BodyKind,
     /// Which normals its contacts have for the solver.

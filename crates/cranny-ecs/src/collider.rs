@@ -8,6 +8,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{BuildError, BuildOptions, Mesh, Model, Repair};
 use cranny_primitives::{Ball, BodyShape, Capsule, Cone, Cylinder, HalfSpace, Primitive, Segment};
 use cranny_shapes::{Cuboid, ShapeError};
+use cranny_world::description::BodyColor;
 use thiserror::Error;
 
 use crate::admission::{note_change, note_removal};
@@ -168,3 +169,8 @@ is_a_primitive!(Ball Capsule Segment Cylinder Cone HalfSpace);
 #[derive(Component, Clone, Debug)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct VisualMesh(pub Arc<Mesh>);
+
+/// The colour in which a body is drawn and recorded, in place of one by its number.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Painted(pub BodyColor);

@@ -97,7 +97,7 @@ mod trigger;
 pub use app::{RunOptions, SceneApp};
 pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
-pub use collider::{Collider, CuboidError, VisualMesh};
+pub use collider::{Collider, CuboidError, Painted, VisualMesh};
 pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{
     BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame,
@@ -138,7 +138,7 @@ pub use painting::{
 };
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
-pub use paths::{FollowsPath, PathPlugin, PathSystems};
+pub use paths::{FollowsMotorPath, FollowsPath, PathPlugin, PathSystems};
 pub use penetration::{PenetrationPair, PenetrationPlugin, PenetrationReport, PenetrationSystems};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};

@@ -1,5 +1,7 @@
-//! Kinematic bodies that follow keyframed paths: each step gets the velocities that lead to where
-//! the path is at the step's end, so that a body pushes as fast as it goes.
+//! Bodies and joints that follow keyframed paths.
+//!
+//! A kinematic body gets in each step the velocities that lead to where the path is at the step's
+//! end, so that it pushes as fast as it goes. A joint's motor gets position and velocity of then.
 
 use std::sync::Arc;
 
@@ -10,17 +12,18 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_world::BodyId;
-use cranny_world::description::KeyframedPath;
+use cranny_world::description::{KeyframedPath, Motor, MotorPath};
 
 use crate::body::{Bodies, Body, narrowed, pose_of, transform_of};
 use crate::clock::{CoreSystems, CrannyStep, SimulatedTime, StepSystems};
+use crate::joints::Joint;
 use crate::kinematics::Kinematic;
 use crate::properties::{AngularVelocity, LinearVelocity, RigidBody};
 
 /// The systems of paths.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathSystems {
-    /// Path to velocities, at the beginning of the step.
+    /// Paths to velocities and to targets of motors, at the beginning of the step.
     Lead,
 }
 
@@ -38,7 +41,17 @@ pub struct FollowsPath {
     pub since: f64,
 }
 
-/// Leads kinematic bodies along their paths.
+/// A path along which the motor of a [`Joint`] leads: it writes the motor's position and velocity
+/// in each step. All else of the motor, as gains and limits, stays as it is.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct FollowsMotorPath {
+    /// Of the joint's positions.
+    pub path: Arc<MotorPath>,
+    /// When the path begins, seconds of [`SimulatedTime`].
+    pub since: f64,
+}
+
+/// Leads kinematic bodies and motors along their paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathPlugin;
 
@@ -46,7 +59,10 @@ impl Plugin for PathPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             CrannyStep,
-            lead.run_if(any_with_component::<FollowsPath>)
+            (
+                lead.run_if(any_with_component::<FollowsPath>),
+                lead_motors.run_if(any_with_component::<FollowsMotorPath>),
+            )
                 .in_set(PathSystems::Lead)
                 .in_set(StepSystems::Admit)
                 .after(CoreSystems::Admit),
@@ -113,6 +129,21 @@ fn lead(mut led: Query<(Led, &FollowsPath)>, time: Res<SimulatedTime>, steering:
         let (now, dt) = (time.seconds() - follows.since, time.step());
         let target = follows.path.pose_at(now + dt);
         steering.lead(led, &target, !follows.path.is_continuous(now, now + dt));
+    }
+}
+
+fn lead_motors(
+    joints: Query<(Entity, &Joint, &FollowsMotorPath)>,
+    time: Res<SimulatedTime>,
+    mut commands: Commands,
+) {
+    for (entity, &joint, FollowsMotorPath { path, since }) in &joints {
+        let at = time.seconds() + time.step() - since;
+        let (position, velocity) = (Some(path.position_at(at)), path.velocity_at(at));
+        let led = Motor { position, velocity, ..joint.motor.unwrap_or_default() };
+        if joint.motor != Some(led) {
+            commands.entity(entity).insert(Joint { motor: Some(led), ..joint });
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use cranny_record::{
     Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
     RecordedEvent, Recorder, Summary, topic,
 };
+use cranny_world::description::BodyColor;
 use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
@@ -52,7 +53,7 @@ pub struct FrameRecorder {
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind, bool)>,
     /// What is shown of each body.
-    shown: BTreeMap<BodyId, (BodyShape, Option<Arc<Mesh>>)>,
+    shown: BTreeMap<BodyId, ShownBody>,
 }
 
 impl FrameRecorder {
@@ -143,7 +144,7 @@ impl Plugin for RecordingPlugin {
         };
         let bodies = app.world().resource::<Bodies>();
         let written = record_bodies(&mut recorder, bodies.iter());
-        let shown = bodies.iter().map(|(id, r)| (id, (r.shape.clone(), r.visual.clone())));
+        let shown = bodies.iter().map(|(id, record)| (id, ShownBody::of(record)));
         recorder.shown = shown.collect();
         app.world_mut().resource_mut::<Failure>().note(written);
         app.insert_resource(recorder);
@@ -171,7 +172,7 @@ fn record_bodies<'a>(
     let bodies = shown.iter().map(|(id, record, mesh, primitive)| RecordedBody {
         name: &record.name,
         mesh,
-        color: hue(id.0),
+        color: record.color.map_or_else(|| hue(id.0), opaque),
         model: record.model(),
         primitive: primitive.as_deref(),
         kind: Some(record.kind),
@@ -190,16 +191,8 @@ fn record_body(
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
-    let shown = (record.shape.clone(), record.visual.clone());
-    let before = recorder.shown.insert(id, shown);
-    let is_same = |(shape, visual): &(BodyShape, Option<Arc<Mesh>>)| {
-        let same_visual = match (visual, &record.visual) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        shape.is_same(&record.shape) && same_visual
-    };
-    if before.as_ref().is_some_and(is_same) {
+    let before = recorder.shown.insert(id, ShownBody::of(record));
+    if before.is_some_and(|before| before.is_same(record)) {
         return;
     }
     if let Some(recorder) = recorder.open() {
@@ -220,6 +213,33 @@ fn record_removal(
     if let Some(recorder) = recorder.open() {
         failure.note(recorder.remove_body(bodies.name(id)));
     }
+}
+
+/// What a recording shows of a body.
+struct ShownBody {
+    shape: BodyShape,
+    visual: Option<Arc<Mesh>>,
+    color: Option<BodyColor>,
+}
+
+impl ShownBody {
+    fn of(record: &BodyRecord) -> Self {
+        let (shape, visual) = (record.shape.clone(), record.visual.clone());
+        Self { shape, visual, color: record.color }
+    }
+
+    fn is_same(&self, record: &BodyRecord) -> bool {
+        let same_visual = match (&self.visual, &record.visual) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.shape.is_same(&record.shape) && same_visual && self.color == record.color
+    }
+}
+
+fn opaque(color: BodyColor) -> [f64; 4] {
+    let [red, green, blue] = color.shares();
+    [red, green, blue, 1.0]
 }
 
 /// Colours of bodies: the colour wheel in steps of the golden ratio, so neighbours differ.

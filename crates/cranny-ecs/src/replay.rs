@@ -364,6 +364,7 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         collision: collision.unwrap_or_else(|| mesh.clone()),
         shape: body.shape.clone(),
         visual: Some(mesh),
+        color: None,
         kind,
         pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),
         linear_velocity: DVec3::ZERO,

@@ -14,13 +14,13 @@ use cranny_world::description::{
 
 use crate::body::{narrowed, transform_of};
 use crate::clock::SimulatedTime;
-use crate::collider::{Collider, VisualMesh};
+use crate::collider::{Collider, Painted, VisualMesh};
 use crate::effect_components::{PairAccuracy, Trigger, add_effects};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
-use crate::paths::FollowsPath;
+use crate::paths::{FollowsMotorPath, FollowsPath};
 use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
@@ -143,6 +143,11 @@ impl SpawnScene {
                 reduced: joint.reduced,
                 start: joint.start,
             });
+            if let Some(path) = &joint.path {
+                let since = world.resource::<SimulatedTime>().seconds();
+                let path = Arc::clone(path);
+                world.entity_mut(entity).insert(FollowsMotorPath { path, since });
+            }
         }
     }
 
@@ -176,6 +181,9 @@ impl SpawnScene {
         }
         if let Some(visual) = &body.visual {
             entity.insert(VisualMesh(visual.clone()));
+        }
+        if let Some(color) = body.color {
+            entity.insert(Painted(color));
         }
         if let Normals::Smooth { crease_angle } = body.normals {
             entity.insert(SmoothNormals { crease_angle });

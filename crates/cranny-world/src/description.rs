@@ -10,9 +10,12 @@ use cranny_primitives::{BodyShape, Primitive};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+mod keyframes;
+mod motor_path;
 mod path;
 mod tracker;
 
+pub use motor_path::{MotorKeyframe, MotorPath};
 pub use path::{Interpolation, Keyframe, KeyframedPath, PathEnd, PathError};
 pub use tracker::{OneEuro, SimulatedDevice, TrackerDescription, TrackerError, TrackerSettings};
 
@@ -103,6 +106,8 @@ pub struct BodyDescription {
     pub shape: Option<BodyShape>,
     /// Geometry to draw where it differs.
     pub visual: Option<Arc<Mesh>>,
+    /// Colour to draw it in; `None`: one that tells it from its neighbours.
+    pub color: Option<BodyColor>,
     /// How it moves.
     pub kind: BodyKind,
     /// Where it starts.
@@ -137,6 +142,25 @@ impl BodyDescription {
     #[must_use]
     pub fn primitive(&self) -> Option<&Primitive> {
         self.shape.as_ref().and_then(BodyShape::primitive)
+    }
+}
+
+/// A colour in sRGB: red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BodyColor(pub [u8; 3]);
+
+impl BodyColor {
+    /// Of channels from 0 to 1; `None` where one is outside.
+    #[must_use]
+    pub fn of_shares(channels: [f64; 3]) -> Option<Self> {
+        let known = channels.iter().all(|channel| (0.0..=1.0).contains(channel));
+        known.then(|| Self(channels.map(|channel| (255.0 * channel).round() as u8)))
+    }
+
+    /// Channels from 0 to 1.
+    #[must_use]
+    pub fn shares(self) -> [f64; 3] {
+        self.0.map(|channel| f64::from(channel) / 255.0)
     }
 }
 
@@ -345,6 +369,8 @@ pub struct JointDescription {
     pub mimic: Option<Mimic>,
     /// What drives it, if anything does.
     pub motor: Option<Motor>,
+    /// Where the motor leads it over time, in place of the motor's position and velocity.
+    pub path: Option<Arc<MotorPath>>,
     /// What resists its motion.
     pub resistance: Resistance,
     /// Whether its position is a coordinate of a tree of bodies, so that it does not yield, rather
@@ -441,6 +467,15 @@ impl JointKind {
             Self::Rope { .. } => "Rope",
             Self::Spring(_) => "Spring",
             Self::Floating => "Floating",
+        }
+    }
+
+    /// Least and greatest position, if it has one and is bounded.
+    #[must_use]
+    pub fn limits(&self) -> Option<[f64; 2]> {
+        match *self {
+            Self::Revolute { limits, .. } | Self::Prismatic { limits, .. } => limits,
+            _ => None,
         }
     }
 

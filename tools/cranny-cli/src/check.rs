@@ -1,7 +1,5 @@
 //! `cranny check`: is a scene file right?
 
-mod overlaps;
-
 use cranny_ecs::check_effects;
 use cranny_world::description::{BodyKind, Effect, SceneDescription};
 use serde::Serialize;
@@ -9,6 +7,7 @@ use serde::Serialize;
 use crate::args::{CheckArgs, Format};
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::overlaps;
 use crate::run::failure;
 use crate::scene_file::load;
 use crate::words::counted;
@@ -35,7 +34,8 @@ struct CheckSummary<'a> {
 ///
 /// A scene that cannot be read or is wrong; standard output that cannot be written.
 pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, &args.set.load_options(None))?;
+    let mut scene = load(&args.scene, &args.set.load_options(None))?;
+    overlaps::prepare(&mut scene.description);
     let what = &scene.description;
     check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()

@@ -16,6 +16,7 @@ mod inspect;
 mod logging;
 mod model_file;
 mod output;
+mod overlaps;
 mod page;
 mod parry;
 mod paths;

@@ -15,6 +15,7 @@ use cranny_rapier::Detector;
 use crate::args::{DetectorArg, Format, RunArgs};
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::overlaps;
 use crate::paths::check_output;
 use crate::progress::RunProgress;
 use crate::scene_file::load;
@@ -33,7 +34,11 @@ const OFF: f64 = 1e-3;
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, &args.instead.load_options())?;
+    let mut scene = load(&args.scene, &args.instead.load_options())?;
+    overlaps::prepare(&mut scene.description);
+    for overlap in overlaps::at_start(&scene.description) {
+        tracing::warn!(scene = %args.scene.display(), "{overlap}");
+    }
     let names_cameras = !scene.description.cameras.is_empty();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
     let options = RunOptions {

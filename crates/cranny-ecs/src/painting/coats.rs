@@ -8,7 +8,7 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_primitives::{BodyShape, Primitive};
 use cranny_render::{Color, DrawMesh, Instance, palette};
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, SceneDescription};
+use cranny_world::description::{BodyColor, BodyKind, SceneDescription};
 
 use crate::body::BodyRecord;
 use crate::error::SceneAppError;
@@ -91,7 +91,7 @@ impl Coats {
         let mut instances = Vec::new();
         for (id, body) in (0u32..).map(BodyId).zip(&scene.bodies) {
             let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
-            let mut coat = coats.coat(id, &body.name, of, body.kind)?;
+            let mut coat = coats.coat(id, &body.name, of, body.kind, body.color)?;
             coat.shape = body.shape.clone();
             instances.push(Instance::solid(coat.mesh.clone(), body.pose, coat.color));
             coats.coats.insert(id, coat);
@@ -119,7 +119,7 @@ impl Coats {
                 Geometry::Primitive(*primitive, Arc::new(record.drawn_mesh()?.into_owned()))
             }
         };
-        let mut coat = self.coat(id, &record.name, of, record.kind)?;
+        let mut coat = self.coat(id, &record.name, of, record.kind, record.color)?;
         coat.shape = Some(record.shape.clone());
         self.coats.insert(id, coat);
         Ok(())
@@ -135,8 +135,11 @@ impl Coats {
         name: &str,
         of: Geometry,
         kind: BodyKind,
+        stated: Option<BodyColor>,
     ) -> Result<Coat, SceneAppError> {
-        let (mesh, color) = (self.drawn(&of, name)?, color(id, kind));
+        let mesh = self.drawn(&of, name)?;
+        let color =
+            stated.map_or_else(|| color(id, kind), |BodyColor([r, g, b])| Color::rgb(r, g, b));
         Ok(Coat {
             name: name.to_owned(),
             mesh,

@@ -20,6 +20,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
         collision: Arc::new(Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
         shape: None,
         visual: None,
+        color: None,
         kind,
         pose: Pose::at(at),
         linear_velocity: velocity,

@@ -145,10 +145,7 @@ impl RobotJoint {
     /// Least and greatest position, where it has limits.
     #[must_use]
     pub fn limits(&self) -> Option<[f64; 2]> {
-        match self.kind {
-            JointKind::Revolute { limits, .. } | JointKind::Prismatic { limits, .. } => limits,
-            _ => None,
-        }
+        self.kind.limits()
     }
 }
 

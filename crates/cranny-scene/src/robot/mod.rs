@@ -19,7 +19,7 @@ use std::sync::Arc;
 use cranny_exact::Pose;
 use cranny_geometry::Mesh;
 use cranny_primitives::Primitive;
-use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
+use cranny_world::description::{BodyColor, JointKind, Mimic, Resistance, StatedMass};
 
 pub use kinematics::PositionError;
 pub(crate) use kinematics::about;
@@ -60,6 +60,9 @@ pub struct RobotLink {
     pub primitive: Option<Primitive>,
     /// All its visual elements joined, in the link's frame; `None` where none could be read.
     pub visual: Option<Arc<Mesh>>,
+    /// Colour of the material of its visual element with the greatest surface, of those that have
+    /// one.
+    pub color: Option<BodyColor>,
     /// Mass, where the file states one above 0.
     pub mass: Option<f64>,
     /// Mass, centre and inertia in the link's frame, where the file states a mass above 0 and an

@@ -2,8 +2,8 @@
 //! the URDF reader names no place: what is wrong is refused with its line, what is harmless is
 //! mended and noted.
 //!
-//! Kept are links with `inertial`, `visual` and `collision`, and joints. Everything else
-//! (materials, transmissions, sensors, extensions of simulators) goes, whatever is wrong with it.
+//! Kept are links with `inertial`, `visual` (its colour too) and `collision`, and joints. All else
+//! (textures, transmissions, sensors, extensions of simulators) goes, whatever is wrong with it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -257,8 +257,35 @@ impl<'a, 'input> Sifter<'a, 'input> {
             return Err(self.refuse(geometry, problem));
         };
         self.element(shape, what, attributes)?;
-        let _ = write!(self.sifted.text, "</geometry></{element}>");
+        self.sifted.text.push_str("</geometry>");
+        if element == "visual" {
+            self.material(node, what);
+        }
+        let _ = write!(self.sifted.text, "</{element}>");
         Ok(())
+    }
+
+    /// The colour of a visual element, its own or that of the material that it names.
+    fn material(&mut self, node: Node<'a, 'input>, what: &str) {
+        let Some(material) = child(node, "material") else { return };
+        let name = material.attribute("name").unwrap_or_default();
+        let named = || {
+            let all = self.document.descendants().filter(|node| node.has_tag_name("material"));
+            let of_name = all.filter(|node| node.attribute("name") == Some(name));
+            of_name.filter_map(|node| child(node, "color")).next()
+        };
+        let Some(color) = child(material, "color").or_else(named) else { return };
+        let rgba = color.attribute("rgba").unwrap_or_default();
+        let channels: Vec<f64> = rgba.split_whitespace().flat_map(str::parse).collect();
+        if channels.len() == 4 && channels.iter().all(|channel| (0.0..=1.0).contains(channel)) {
+            let name = escaped(name);
+            let _ = write!(
+                self.sifted.text,
+                "<material name=\"{name}\"><color rgba=\"{rgba}\"/></material>"
+            );
+        } else {
+            self.note(color, format!("{what} has the color {rgba:?}, which is not four numbers from 0 to 1: it is drawn without"));
+        }
     }
 
     fn joint(&mut self, node: Node<'a, 'input>) -> Result<(), RobotError> {

@@ -9,8 +9,8 @@ use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_primitives::{Ball, Capsule, Cylinder, Primitive};
 use cranny_shapes::{Cuboid, Sphere};
-use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
-use urdf_rs::{Geometry, Joint, JointType, Link};
+use cranny_world::description::{BodyColor, JointKind, Mimic, Resistance, StatedMass};
+use urdf_rs::{Geometry, Joint, JointType, Link, Material};
 
 use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
@@ -129,13 +129,21 @@ impl Reader {
             [only] => primitive(&only.geometry, &only.origin),
             _ => None,
         };
-        let mut visual = None;
+        let (mut visual, mut color): (Option<Arc<Mesh>>, _) = (None, None);
+        let mut covered = 0.0;
         for element in &link.visual {
             let drawn = self
                 .geometry(&link.name, &element.geometry)
                 .and_then(|mesh| self.placed(link, &element.origin, mesh, visual.clone()));
             match drawn {
-                Ok(mesh) => visual = Some(mesh),
+                Ok(mesh) => {
+                    let surface = surface(&mesh) - visual.as_deref().map_or(0.0, surface);
+                    visual = Some(mesh);
+                    let own = element.material.as_ref().and_then(color_of);
+                    if own.is_some() && surface > covered {
+                        (color, covered) = (own, surface);
+                    }
+                }
                 // Where it was looked for matters for what collides.
                 Err(RobotError::MeshNotFound { uri, .. }) => {
                     let what = format!("is drawn without the mesh {uri:?}, which was not found");
@@ -147,7 +155,15 @@ impl Reader {
         let mass = link.inertial.mass.value;
         let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
         let inertial = mass.map(|mass| self.inertial(link, mass)).transpose()?.flatten();
-        Ok(RobotLink { name: link.name.clone(), collision, primitive, visual, mass, inertial })
+        Ok(RobotLink {
+            name: link.name.clone(),
+            collision,
+            primitive,
+            visual,
+            color,
+            mass,
+            inertial,
+        })
     }
 
     /// What the link's `inertial` says, in the link's frame. A tensor that no body can have is
@@ -417,6 +433,18 @@ impl Reader {
             None => Ok((root, order)),
         }
     }
+}
+
+/// Area of all faces.
+fn surface(mesh: &Mesh) -> f64 {
+    let corners = |face: &[u32; 3]| face.map(|corner| mesh.vertices()[corner as usize]);
+    let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+    mesh.faces().iter().map(|face| area(corners(face))).sum()
+}
+
+fn color_of(material: &Material) -> Option<BodyColor> {
+    let [red, green, blue, _] = material.color.as_ref()?.rgba.0;
+    BodyColor::of_shares([red, green, blue])
 }
 
 /// URDF says 0 where no limit is known.

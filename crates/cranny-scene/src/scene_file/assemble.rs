@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_exact::{Aabb, DVec3, Pose};
+use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, Effect, Keyframe, KeyframedPath,
@@ -18,10 +18,8 @@ use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
 use super::geometry::CollisionGeometry;
 use super::include::{Sheet, Sheets};
 use super::problem::{SceneError, SceneProblem, located};
-use super::syntax::{
-    AccuracyFile, CameraFile, GroupFile, PairFile, PileFile, PresetFile, SceneFile, effects,
-};
-use super::{LoadOptions, locate, mass, pile, place_robot, sensors};
+use super::syntax::{AccuracyFile, CameraFile, PairFile, PresetFile, SceneFile, effects};
+use super::{LoadOptions, locate, mass, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
 type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
@@ -110,7 +108,7 @@ pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
     /// Piles so far.
-    piles: u64,
+    pub(super) piles: u64,
     /// Geometry made so far: bodies of one shape share it.
     pub(super) shapes: Vec<(ShapeFile, CollisionGeometry)>,
     /// The same of what is drawn.
@@ -137,8 +135,9 @@ impl Assembly<'_> {
     /// Adds what a file says to what the files before it have said.
     fn add(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
         scene.bodies.iter().try_for_each(|body| self.body(body))?;
-        scene.groups.iter().try_for_each(|GroupFile::Pile(pile)| self.pile(pile))?;
         scene.robots.iter().try_for_each(|robot| place_robot::place(self, robot))?;
+        // Last, since groups keep clear of what stands there.
+        scene.groups.iter().try_for_each(|group| self.group(group))?;
         self.check_body_names()?;
         self.check_effects_of_primitives()?;
         scene.joints.iter().try_for_each(|joint| self.joint(joint))?;
@@ -168,6 +167,7 @@ impl Assembly<'_> {
             collision: geometry.mesh,
             shape: geometry.shape,
             visual: visual.transpose()?,
+            color: body.color.map(|color| color.0),
             kind,
             pose,
             linear_velocity: velocity[0],
@@ -232,62 +232,8 @@ impl Assembly<'_> {
         checked.map_err(|why| self.contradicted(&body.name, format!("its tracker: {why}")))
     }
 
-    fn pile(&mut self, group: &PileFile) -> Result<(), SceneError> {
-        let refuse = |source: &Source<'_>, problem: String| {
-            let place = source.find("name", &group.name);
-            let problem = SceneProblem::Contradiction(format!("pile {:?}: {problem}", group.name));
-            source.error(place, problem)
-        };
-        let region = Aabb { min: group.region.min.0, max: group.region.max.0 };
-        if !region.min.cmplt(region.max).all() {
-            let problem = "its region's min must lie below its max in x, y and z".to_owned();
-            return Err(refuse(&self.source, problem));
-        }
-        if group.shapes.is_empty() {
-            return Err(refuse(&self.source, "it names no shapes".to_owned()));
-        }
-        let shapes = group
-            .shapes
-            .iter()
-            .map(|shape| self.geometry(&group.name, shape))
-            .collect::<Result<Vec<_>, _>>()?;
-        for shape in &shapes {
-            self.check_primitive(&group.name, shape, group.normals.into())?;
-        }
-        let material = group.material.into();
-        let masses = shapes
-            .iter()
-            .map(|shape| self.mass(&group.name, group.kind.into(), shape, None, material))
-            .collect::<Result<Vec<_>, _>>()?;
-        let meshes: Vec<Arc<Mesh>> = shapes.iter().map(|shape| Arc::clone(&shape.mesh)).collect();
-        let seed = group.seed.unwrap_or_else(|| self.description.seed.wrapping_add(self.piles));
-        self.piles += 1;
-        let pieces = pile::place(group.count as usize, seed, &region, group.gap.0, &meshes)
-            .map_err(|problem| refuse(&self.source, problem))?;
-        let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
-            name: format!("{}_{i}", group.name),
-            collision: Arc::clone(&meshes[piece.shape]),
-            shape: shapes[piece.shape].shape.clone(),
-            visual: None,
-            kind: group.kind.into(),
-            pose: piece.pose,
-            linear_velocity: DVec3::ZERO,
-            angular_velocity: DVec3::ZERO,
-            path: None,
-            tracker: None,
-            material,
-            mass: masses[piece.shape],
-            normals: group.normals.into(),
-            sensor: false,
-            layers: group.layers.clone(),
-            effects: effects(&group.effects),
-        };
-        self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
-        Ok(())
-    }
-
     /// Fails if a primitive is to have what only a mesh has.
-    fn check_primitive(
+    pub(super) fn check_primitive(
         &self,
         body: &str,
         geometry: &CollisionGeometry,
@@ -323,7 +269,7 @@ impl Assembly<'_> {
     }
 
     /// The mass of a body, where it does not follow from its solid and density.
-    fn mass(
+    pub(super) fn mass(
         &mut self,
         body: &str,
         kind: BodyKind,

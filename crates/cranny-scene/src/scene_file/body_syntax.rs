@@ -3,14 +3,16 @@
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Repair;
 use cranny_shapes::Shape;
-use cranny_world::description::{BodyKind, Interpolation, Material, Normals, PathEnd};
+use cranny_world::description::{
+    BodyKind, Interpolation, Material, MotorKeyframe, MotorPath, Normals, PathEnd, PathError,
+};
 use serde::Deserialize;
 
 use super::effect::EffectFile;
 use super::primitive::PrimitiveFile;
 use super::tracker::TrackerFile;
 use super::values::{
-    Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
+    Axis, ColorFile, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
 };
 use crate::robot::about;
 
@@ -21,6 +23,8 @@ pub(super) struct BodyFile {
     pub(super) shape: ShapeFile,
     #[serde(default)]
     pub(super) visual: Option<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
     #[serde(default)]
     pub(super) kind: KindFile,
     #[serde(default)]
@@ -226,6 +230,36 @@ pub(super) struct KeyframeFile {
     pub(super) time: NotNegative,
     #[serde(default)]
     pub(super) pose: PoseFile,
+}
+
+/// Positions of a joint at times.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "MotorPath")]
+pub(super) struct MotorPathFile {
+    keyframes: Vec<MotorKeyframeFile>,
+    #[serde(default)]
+    interpolation: InterpolationFile,
+    #[serde(default)]
+    end: PathEndFile,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "MotorKeyframe")]
+struct MotorKeyframeFile {
+    /// Seconds.
+    time: NotNegative,
+    position: Finite,
+}
+
+impl MotorPathFile {
+    pub(super) fn path(&self) -> Result<MotorPath, PathError> {
+        let keyframe = |MotorKeyframeFile { time, position }: &MotorKeyframeFile| MotorKeyframe {
+            time: time.0,
+            position: position.0,
+        };
+        let keyframes = self.keyframes.iter().map(keyframe).collect();
+        MotorPath::new(keyframes, self.interpolation.into(), self.end.into())
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]

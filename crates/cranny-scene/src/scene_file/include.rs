@@ -1,13 +1,14 @@
 //! Scenes within scenes: a file, and before it every file that it includes.
 //!
-//! Each file is read once, however often it is included. Settings are for the file that is loaded.
+//! Each file is read once, however often it is included. Settings are for the file that is loaded,
+//! or for the one to which `includes.NAME` leads.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::assemble::{Source, is_mesh};
 use super::problem::{SceneError, SceneProblem};
-use super::setting::stated_fields;
+use super::setting::{Setting, stated_fields};
 use super::syntax::{SceneFile, parse};
 use super::{LoadOptions, locate};
 use crate::byte_order_mark::without_mark;
@@ -26,9 +27,58 @@ pub(super) struct Sheet {
     pub(super) path: PathBuf,
     pub(super) text: String,
     pub(super) scene: SceneFile,
+    /// Settings for what it includes.
+    handed_on: Vec<Setting>,
 }
 
 impl Sheet {
+    /// Reads a text with the settings in it.
+    fn read(text: &str, path: &Path, settings: &[Setting]) -> Result<Self, SceneError> {
+        let mut text = without_mark(text).to_owned();
+        let mut scene = parse(&text, path)?;
+        let (handed_on, own): (Vec<_>, Vec<_>) =
+            settings.iter().cloned().partition(|setting| setting.for_included().is_some());
+        for setting in own {
+            text = setting.applied(&text, path, &hint(&scene.includes))?;
+            scene = parse(&text, path).map_err(|error| setting.blamed(error))?;
+        }
+        Ok(Self { path: path.to_owned(), text, scene, handed_on })
+    }
+
+    /// Fails if a setting leads to no file that it includes, or to what does not count there.
+    fn check_handed_on(&self) -> Result<(), SceneError> {
+        for setting in &self.handed_on {
+            let Some((name, rest)) = setting.for_included() else { continue };
+            let names = &self.scene.includes;
+            let refused = |what: String| {
+                let place = names.first().and_then(|name| locate::find_string(&self.text, name));
+                self.source().error(place, setting.problem(what))
+            };
+            if !names.iter().enumerate().any(|include| is_named(include, name)) {
+                let known: Vec<_> = names.iter().map(|name| format!("{name:?}")).collect();
+                let known = if known.is_empty() { "nothing".to_owned() } else { known.join(", ") };
+                return Err(refused(format!(
+                    "the scene includes no {name:?}. It includes {known}"
+                )));
+            }
+            let field = rest.field();
+            if !ADDED.contains(&field) {
+                return Err(refused(format!(
+                    "`{field}` of a file that is included does not count. Set that of the scene itself: {}",
+                    rest.shown()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Its settings for an included file, by the file's number.
+    fn settings_for(&self, number: usize) -> Vec<Setting> {
+        let include = (number, &self.scene.includes[number]);
+        let handed = self.handed_on.iter().filter_map(Setting::for_included);
+        handed.filter(|(name, _)| is_named(include, name)).map(|(_, rest)| rest).collect()
+    }
+
     pub(super) fn source(&self) -> Source<'_> {
         Source { text: &self.text, path: &self.path }
     }
@@ -46,13 +96,7 @@ impl Sheet {
 ///
 /// Text that is no scene; an included file that cannot be read, or that includes itself.
 pub(super) fn sheets(text: &str, path: &Path, options: &LoadOptions) -> Result<Sheets, SceneError> {
-    let mut text = without_mark(text).to_owned();
-    let mut scene = parse(&text, path)?;
-    for setting in &options.settings {
-        text = setting.applied(&text, path)?;
-        scene = parse(&text, path).map_err(|error| setting.blamed(error))?;
-    }
-    let own = Sheet { path: path.to_owned(), text, scene };
+    let own = Sheet::read(text, path, &options.settings)?;
     let mut reading = Reading { sheets: Vec::new(), open: Vec::new() };
     reading.included_by(&own)?;
     Ok(Sheets { own, included: reading.sheets })
@@ -66,13 +110,15 @@ struct Reading {
 
 impl Reading {
     fn included_by(&mut self, sheet: &Sheet) -> Result<(), SceneError> {
+        sheet.check_handed_on()?;
         self.open.push(place(&sheet.path));
-        sheet.scene.includes.iter().try_for_each(|name| self.include(sheet, name))?;
+        (0..sheet.scene.includes.len()).try_for_each(|number| self.include(sheet, number))?;
         self.open.pop();
         Ok(())
     }
 
-    fn include(&mut self, from: &Sheet, name: &str) -> Result<(), SceneError> {
+    fn include(&mut self, from: &Sheet, number: usize) -> Result<(), SceneError> {
+        let (name, settings) = (&from.scene.includes[number], from.settings_for(number));
         let source = from.source();
         let path = source.resolve(name);
         let refused = |why: String| {
@@ -89,18 +135,36 @@ impl Reading {
             return Err(refused(why));
         }
         if self.sheets.iter().any(|sheet| place(&sheet.path) == place(&path)) {
-            return Ok(());
+            let Some(late) = settings.first() else { return Ok(()) };
+            let what = format!(
+                "{} is read before, since another file includes it. Set it by the way through that one",
+                path.display()
+            );
+            let range = locate::find_string(&from.text, name);
+            return Err(source.error(range, late.problem(what)));
         }
         let text = fs::read_to_string(&path).map_err(|error| {
             refused(format!("cannot be read ({error}). Check the path and its permissions"))
         })?;
-        let text = without_mark(&text).to_owned();
-        let scene = parse(&text, &path)?;
-        let sheet = Sheet { path: path.clone(), text, scene };
+        let sheet = Sheet::read(&text, &path, &settings)?;
         self.included_by(&sheet)?;
         self.sheets.push(sheet);
         Ok(())
     }
+}
+
+/// Whether a step of a setting's path leads to an included file: its name as the scene has it, or
+/// its number.
+fn is_named((number, name): (usize, &String), step: &str) -> bool {
+    name == step || step.parse() == Ok(number)
+}
+
+/// Where else a part may be that a setting does not find.
+fn hint(includes: &[String]) -> String {
+    let first = includes.first();
+    first.map_or(String::new(), |name| {
+        format!(". What an included file has is set by its name: includes.{name:?}.bodies…")
+    })
 }
 
 /// The one name of a file; as it is written where there is none.

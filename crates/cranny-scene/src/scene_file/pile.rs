@@ -3,7 +3,7 @@
 //! Every body's bounding sphere has a cell of a grid to itself, so bodies cannot overlap whatever
 //! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows
 //! and as wide as the region allows, and each sphere lies anywhere in the middle of its cell that
-//! leaves half the gap to the walls.
+//! leaves half the gap to the walls. A cell in which its body would meet what stands there stays empty.
 
 use std::sync::Arc;
 
@@ -29,6 +29,7 @@ pub(super) fn place(
     region: &Aabb,
     gap: f64,
     shapes: &[Arc<Mesh>],
+    mut is_clear: impl FnMut(&Piece) -> Result<bool, String>,
 ) -> Result<Vec<Piece>, String> {
     let spheres: Vec<(DVec3, f64)> = shapes.iter().map(|mesh| bounding_sphere(mesh)).collect();
     let largest = spheres.iter().map(|&(_, radius)| radius).fold(0.0, f64::max);
@@ -45,7 +46,7 @@ pub(super) fn place(
     }
     let cell = DVec3::new(extent.x / nx as f64, extent.y / ny as f64, least);
     let mut random = Random::new(seed);
-    let pieces = (0..count).map(|i| {
+    let mut candidate = |i: usize| {
         let shape = random.below(shapes.len());
         let (center, radius) = spheres[shape];
         let rotation = random.rotation();
@@ -54,8 +55,24 @@ pub(super) fn place(
         let room = (0.5 * (cell - gap) - radius).max(DVec3::ZERO);
         let at = region.min + (index + 0.5) * cell + room * jitter;
         Piece { shape, pose: Pose { rotation, translation: at - rotation * center } }
-    });
-    Ok(pieces.collect())
+    };
+    let mut pieces = Vec::with_capacity(count);
+    for cell in 0..holds {
+        if pieces.len() == count {
+            break;
+        }
+        let piece = candidate(cell);
+        if is_clear(&piece)? {
+            pieces.push(piece);
+        }
+    }
+    if pieces.len() < count {
+        return Err(format!(
+            "its region holds {holds} bodies ({nx} x {ny} x {nz}), but only {} of its places are clear of what stands there, and {count} are wanted. Enlarge or move the region, or lower the count",
+            pieces.len()
+        ));
+    }
+    Ok(pieces)
 }
 
 /// About the centre of the box: not the smallest, but within a factor of √3 of it.
@@ -70,6 +87,10 @@ mod tests {
     use super::*;
     use cranny_shapes::{Cuboid, Cup};
 
+    fn free(_: &Piece) -> Result<bool, String> {
+        Ok(true)
+    }
+
     fn shapes() -> Vec<Arc<Mesh>> {
         let cuboid = Cuboid { size: [1.0, 0.5, 0.25] }.build().unwrap();
         vec![Arc::new(cuboid), Arc::new(Cup::default().build().unwrap())]
@@ -79,7 +100,7 @@ mod tests {
     fn spheres_keep_their_gap_and_stay_in_the_region() {
         let shapes = shapes();
         let region = Aabb { min: DVec3::new(-4.0, -3.0, 1.0), max: DVec3::new(4.0, 3.0, 30.0) };
-        let pieces = place(150, 3, &region, 0.05, &shapes).unwrap();
+        let pieces = place(150, 3, &region, 0.05, &shapes, free).unwrap();
         let spheres: Vec<_> = pieces
             .iter()
             .map(|piece| {
@@ -102,7 +123,7 @@ mod tests {
         let shapes = shapes();
         let region = Aabb { min: DVec3::ZERO, max: DVec3::splat(8.0) };
         let poses = |seed| {
-            let pieces = place(20, seed, &region, 0.0, &shapes).unwrap();
+            let pieces = place(20, seed, &region, 0.0, &shapes, free).unwrap();
             pieces.iter().map(|p| (p.shape, p.pose.bits())).collect::<Vec<_>>()
         };
         assert_eq!(poses(1), poses(1));
@@ -112,7 +133,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_said() {
         let region = Aabb { min: DVec3::ZERO, max: DVec3::splat(3.0) };
-        let error = place(100, 0, &region, 0.0, &shapes()).err().unwrap();
+        let error = place(100, 0, &region, 0.0, &shapes(), free).err().unwrap();
         assert!(error.contains("holds 8 bodies"), "{error}");
     }
 }

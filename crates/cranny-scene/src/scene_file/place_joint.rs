@@ -1,10 +1,10 @@
 //! Joints in scenes: the bodies that they join, and whether their anchors fit together.
 
 use cranny_exact::Pose;
-use cranny_world::description::{JointDescription, JointKind, Resistance, Spring};
+use cranny_world::description::{JointDescription, JointKind, Motor, Resistance, Spring};
 
 use super::assemble::Assembly;
-use super::place_robot::motor_of;
+use super::motor_path::{Drive, too_fast};
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{JointFile, JointKindFile};
 use super::values::Finite;
@@ -19,7 +19,17 @@ impl Assembly<'_> {
         let ends = [self.index_of("parent", &joint.parent)?, self.index_of("child", &joint.child)?];
         let [parent, child] = ends;
         let kind = joint_kind(joint, ends).map_err(|what| self.refused_joint(joint, what))?;
+        let drive = Drive {
+            motor: joint.motor.as_ref(),
+            target: joint.target.map(|target| target.0),
+            path: joint.path.as_ref(),
+        };
+        let path = drive.path(kind.limits()).map_err(|what| self.refused_joint(joint, what))?;
+        let motor = drive.motor(Motor::default(), path.as_deref(), None);
         let whose = format!("joint {:?}", joint.name);
+        let most = motor.and_then(|motor| motor.max_velocity);
+        let lags = path.as_ref().and_then(|path| too_fast(path, most));
+        self.warnings.extend(lags.map(|lags| format!("{whose}: {lags}")));
         let [parent_anchor, child_anchor] =
             [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
         let apart = self.apart_at_start(ends, [parent_anchor, child_anchor], &kind);
@@ -35,7 +45,8 @@ impl Assembly<'_> {
             child_anchor,
             kind,
             mimic: None,
-            motor: motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
+            motor,
+            path,
             resistance: Resistance::default(),
             reduced: false,
             start: 0.0,
@@ -100,10 +111,10 @@ fn joint_kind(joint: &JointFile, [parent, child]: [usize; 2]) -> Result<JointKin
             damping: damping.0,
         }),
     };
-    let driven = joint.target.is_some() || joint.motor.is_some();
+    let driven = joint.target.is_some() || joint.motor.is_some() || joint.path.is_some();
     if driven && !kind.has_position() {
         return Err(format!(
-            "a {} joint has no position to drive. Leave `target` and `motor` out",
+            "a {} joint has no position to drive. Leave `target`, `motor` and `path` out",
             kind.name()
         ));
     }

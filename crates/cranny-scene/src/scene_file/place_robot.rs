@@ -7,6 +7,7 @@
 
 mod groups;
 mod masses;
+mod paths;
 mod self_collisions;
 
 use std::collections::BTreeMap;
@@ -22,9 +23,11 @@ use cranny_world::description::{
 
 use self::groups::Groups;
 use self::masses::{FRAME_SIZE, box_of, cube_of, inertia_box, moved, summed};
+use self::paths::{MotorPaths, paths_of};
 use super::assemble::{Assembly, is_mesh};
+use super::motor_path::Drive;
 use super::problem::{SceneError, SceneProblem};
-use super::syntax::{MotorFile, RobotFile, effects};
+use super::syntax::{RobotFile, effects};
 use crate::robot::{LinkModels, Robot, Semantics, read_robot, read_semantics};
 
 /// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
@@ -63,7 +66,9 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         source.error(place.clone(), SceneProblem::Contradiction(what))
     };
     let semantics = semantics(assembly, file).map_err(refuse)?;
+    let paths = paths_of(file, &robot, &mut warnings).map_err(refuse)?;
     let mut positions = of_state(&semantics, file, &robot).map_err(refuse)?;
+    positions.extend(paths.iter().map(|(joint, path)| (joint.clone(), path.position_at(0.0))));
     positions.extend(numbers(&file.positions));
     let targets = numbers(&file.targets);
     check_limits(&robot, "position", &positions).map_err(refuse)?;
@@ -73,8 +78,9 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         source.error(place.clone(), problem)
     };
     robot.all_positions(&targets).map_err(position_error)?;
-    let motors = file.motors.keys().map(|joint| (joint.clone(), 0.0)).collect();
-    robot.all_positions(&motors).map_err(position_error)?;
+    let driven = file.motors.keys().chain(file.paths.keys());
+    let driven = driven.map(|joint| (joint.clone(), 0.0)).collect();
+    robot.all_positions(&driven).map_err(position_error)?;
     let moved = robot.clamp_to_limits(&mut positions);
     if !moved.is_empty() {
         warnings.push(format!(
@@ -91,6 +97,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     let mut placing = Placing {
         robot: &robot,
         file,
+        paths: &paths,
         name: &name,
         first: assembly.description.bodies.len(),
         groups: Groups::of(&robot),
@@ -107,6 +114,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         root_from_links.iter().map(|pose| world_from_root.compose(pose)).collect();
     placing.build(&world_from_links, &starts, &targets).map_err(refuse)?;
     let excluded = placing.excluded(&semantics.disabled_pairs).map_err(refuse)?;
+    placing.warn_of_meetings(&world_from_root, &positions, &excluded).map_err(refuse)?;
     let Placing { bodies, joints, warnings, .. } = placing;
     assembly.description.bodies.extend(bodies);
     assembly.description.joints.extend(joints);
@@ -164,6 +172,13 @@ fn check_limits(robot: &Robot, what: &str, positions: &JointPositions) -> Result
     Ok(())
 }
 
+impl RobotFile {
+    /// What is to lead a joint.
+    fn drive(&self, joint: &str, target: Option<f64>) -> Drive<'_> {
+        Drive { motor: self.motors.get(joint), target, path: self.paths.get(joint) }
+    }
+}
+
 /// Names as a sentence has them.
 fn listed(names: &[String]) -> String {
     let mut shown: Vec<String> = names.iter().take(NAMED).map(|name| format!("{name:?}")).collect();
@@ -176,6 +191,8 @@ fn listed(names: &[String]) -> String {
 struct Placing<'a> {
     robot: &'a Robot,
     file: &'a RobotFile,
+    /// By joint.
+    paths: &'a MotorPaths,
     name: &'a str,
     /// Index of the robot's first body in the scene.
     first: usize,
@@ -253,6 +270,7 @@ impl Placing<'_> {
             collision,
             shape: Some(shape),
             visual: described.visual.clone(),
+            color: described.color,
             kind: if self.is_base(group) { BodyKind::Fixed } else { BodyKind::Dynamic },
             pose,
             linear_velocity: DVec3::ZERO,
@@ -327,6 +345,7 @@ impl Placing<'_> {
         if self.link_of_body[body] != link
             && let Some(visual) = &described.visual
         {
+            self.bodies[body].color = self.bodies[body].color.or(described.color);
             let carrier = self.link_of_body[body];
             let before = self.bodies[body].visual.take();
             let before = before.or_else(|| self.robot.links[carrier].collision.clone());
@@ -420,6 +439,7 @@ impl Placing<'_> {
                 .as_ref()
                 .map(|mimic| Mimic { joint: in_scene(&mimic.joint), ..mimic.clone() }),
             motor: self.motor(index, start, targets),
+            path: self.paths.get(&joint.name).cloned(),
             resistance: joint.resistance,
             reduced: true,
             start,
@@ -438,19 +458,14 @@ impl Placing<'_> {
                 .max_effort
                 .map(|most| Motor { max_effort: Some(most), ..Motor::default() });
         }
-        let target = targets.get(&joint.name).copied();
         let limited = Motor {
             max_effort: joint.max_effort,
             max_velocity: joint.max_velocity,
             ..Motor::default()
         };
-        match self.file.motors.get(&joint.name) {
-            Some(said) => Some(said.motor(target, limited)),
-            None => {
-                let held = target.or(self.file.hold.then_some(start))?;
-                Some(Motor { position: Some(held), ..limited })
-            }
-        }
+        let drive = self.file.drive(&joint.name, targets.get(&joint.name).copied());
+        let path = self.paths.get(&joint.name).map(|path| &**path);
+        drive.motor(limited, path, self.file.hold.then_some(start))
     }
 
     /// Gives each body the mass of all that it is made of.
@@ -502,28 +517,5 @@ impl Placing<'_> {
                 listed(&left_out)
             ));
         }
-    }
-}
-
-impl MotorFile {
-    /// The motor that is said, within limits where it says none.
-    fn motor(&self, target: Option<f64>, limited: Motor) -> Motor {
-        Motor {
-            position: self.position.map(|position| position.0).or(target),
-            velocity: self.velocity.0,
-            effort: self.effort.0,
-            stiffness: self.stiffness.map(|stiffness| stiffness.0),
-            damping: self.damping.map(|damping| damping.0),
-            max_effort: self.max_effort.map(|most| most.0).or(limited.max_effort),
-            max_velocity: self.max_velocity.map(|most| most.0).or(limited.max_velocity),
-        }
-    }
-}
-
-/// A joint of a scene file's own motor.
-pub(super) fn motor_of(said: Option<&MotorFile>, target: Option<f64>) -> Option<Motor> {
-    match said {
-        Some(said) => Some(said.motor(target, Motor::default())),
-        None => target.map(Motor::at),
     }
 }

@@ -93,12 +93,38 @@ fn without_outer_comments(value: &str) -> String {
 }
 
 impl Setting {
+    /// The file that it is for, as the including scene names it, and the setting within: where its
+    /// path begins with `includes.NAME` and leads on.
+    pub(super) fn for_included(&self) -> Option<(&str, Self)> {
+        match self.steps.as_slice() {
+            [includes, name, rest @ ..] if includes == "includes" && !rest.is_empty() => {
+                Some((name, Self { steps: rest.to_vec(), ..self.clone() }))
+            }
+            _ => None,
+        }
+    }
+
+    /// The field of a scene that its path begins with.
+    pub(super) fn field(&self) -> &str {
+        &self.steps[0]
+    }
+
+    /// Its path and value, without the files that lead to it.
+    pub(super) fn shown(&self) -> String {
+        format!("{}={}", self.steps.join("."), self.value)
+    }
+
     /// The text with the value in its place.
     ///
     /// # Errors
     ///
-    /// A path that leads nowhere, with the place where it ends.
-    pub(super) fn applied(&self, text: &str, path: &Path) -> Result<String, SceneError> {
+    /// A path that leads nowhere, with the place where it ends and a hint where else it may lead.
+    pub(super) fn applied(
+        &self,
+        text: &str,
+        path: &Path,
+        hint: &str,
+    ) -> Result<String, SceneError> {
         let tokens = tokens(text);
         let mut part = Part { text, tokens: value_of_file(text, &tokens) };
         for (depth, step) in self.steps.iter().enumerate() {
@@ -107,7 +133,7 @@ impl Setting {
                 Some(found) => found,
                 None => {
                     let (at, added) = self.addition(part, depth).map_err(|what| {
-                        located(path, text, Some(part.range()), self.problem(what))
+                        located(path, text, Some(part.range()), self.problem(what + hint))
                     })?;
                     return Ok(replaced(text, at..at, &added));
                 }
@@ -160,7 +186,7 @@ impl Setting {
         }
     }
 
-    fn problem(&self, what: String) -> SceneProblem {
+    pub(super) fn problem(&self, what: String) -> SceneProblem {
         SceneProblem::Setting { setting: self.written.clone(), what }
     }
 }

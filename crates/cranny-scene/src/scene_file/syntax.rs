@@ -5,19 +5,21 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_exact::DVec3;
-use cranny_world::description::{Accuracy, Effect, RecordDescription};
+use cranny_world::description::{
+    Accuracy, BodyColor, BodyKind, Effect, Material, Normals, RecordDescription,
+};
 use ron::Error;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::advice::advised;
 use super::body_syntax::{
-    BodyFile, KindFile, MaterialFile, NormalsFile, PoseFile, ShapeFile, all_layers,
+    BodyFile, KindFile, MaterialFile, MotorPathFile, NormalsFile, PoseFile, ShapeFile, all_layers,
 };
 use super::effect::EffectFile;
 use super::locate::{byte_at, field_before};
 use super::problem::{SceneError, SceneProblem, located};
-use super::values::{Axis, Finite, NotNegative, Positive, Vector};
+use super::values::{Axis, ColorFile, Finite, NotNegative, Positive, Vector};
 
 /// A whole file.
 #[derive(Debug, Deserialize)]
@@ -99,6 +101,81 @@ fn default_duration() -> NotNegative {
 #[serde(deny_unknown_fields, rename = "Group")]
 pub(super) enum GroupFile {
     Pile(PileFile),
+    Grid(GridFile),
+}
+
+/// What all groups say of their bodies.
+pub(super) struct PieceFile<'a> {
+    /// How the group is made.
+    pub(super) rule: &'static str,
+    pub(super) name: &'a str,
+    pub(super) shapes: &'a [ShapeFile],
+    pub(super) color: Option<BodyColor>,
+    pub(super) kind: BodyKind,
+    pub(super) material: Material,
+    pub(super) normals: Normals,
+    pub(super) layers: &'a [String],
+    pub(super) effects: &'a [EffectFile],
+}
+
+impl PieceFile<'_> {
+    /// The name of a body, by number.
+    pub(super) fn name_of(&self, number: usize) -> String {
+        format!("{}_{number}", self.name)
+    }
+}
+
+macro_rules! pieces {
+    ($group:ident, $rule:literal) => {
+        PieceFile {
+            rule: $rule,
+            name: &$group.name,
+            shapes: &$group.shapes,
+            color: $group.color.map(|color| color.0),
+            kind: $group.kind.into(),
+            material: $group.material.into(),
+            normals: $group.normals.into(),
+            layers: &$group.layers,
+            effects: &$group.effects,
+        }
+    };
+}
+
+impl GroupFile {
+    pub(super) fn pieces(&self) -> PieceFile<'_> {
+        match self {
+            Self::Pile(pile) => pieces!(pile, "pile"),
+            Self::Grid(grid) => pieces!(grid, "grid"),
+        }
+    }
+}
+
+/// Bodies `<name>_0` … in rows, columns and layers, all in one orientation.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Grid")]
+pub(super) struct GridFile {
+    #[serde(default = "pile_name")]
+    pub(super) name: String,
+    /// Along x, y and z.
+    pub(super) count: [u32; 3],
+    /// From body to body.
+    pub(super) spacing: Vector,
+    /// Of the first one.
+    #[serde(default)]
+    pub(super) pose: PoseFile,
+    pub(super) shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
+    #[serde(default)]
+    pub(super) kind: KindFile,
+    #[serde(default)]
+    pub(super) material: MaterialFile,
+    #[serde(default)]
+    pub(super) normals: NormalsFile,
+    #[serde(default = "all_layers")]
+    pub(super) layers: Vec<String>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
 }
 
 /// Bodies `<name>_0` … in a region, apart from each other, in random order and orientation.
@@ -116,6 +193,8 @@ pub(super) struct PileFile {
     #[serde(default = "pile_gap")]
     pub(super) gap: NotNegative,
     pub(super) shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    pub(super) color: Option<ColorFile>,
     #[serde(default)]
     pub(super) kind: KindFile,
     #[serde(default)]
@@ -168,6 +247,9 @@ pub(super) struct RobotFile {
     /// What drives single joints.
     #[serde(default)]
     pub(super) motors: BTreeMap<String, MotorFile>,
+    /// Where motors lead single joints over time.
+    #[serde(default)]
+    pub(super) paths: BTreeMap<String, MotorPathFile>,
     /// Which links may meet each other.
     #[serde(default)]
     pub(super) self_collisions: SelfCollisionsFile,
@@ -249,6 +331,9 @@ pub(super) struct JointFile {
     pub(super) target: Option<Finite>,
     #[serde(default)]
     pub(super) motor: Option<MotorFile>,
+    /// Where the motor leads it over time.
+    #[serde(default)]
+    pub(super) path: Option<MotorPathFile>,
     /// Whether the two bodies may meet.
     #[serde(default)]
     pub(super) collide: bool,

@@ -3,9 +3,10 @@
 use std::fmt::{self, Formatter};
 
 use cranny_exact::{DQuat, DVec3, Pose, PoseError, check_point};
+use cranny_world::description::BodyColor;
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
-use serde::de::{self, Deserializer, SeqAccess, Visitor};
+use serde::de::{self, Deserializer, SeqAccess, Unexpected, Visitor};
 
 /// Three numbers inside the coordinate domain.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -76,6 +77,45 @@ impl<'de> Visitor<'de> for ScaleVisitor {
     fn visit_seq<A: SeqAccess<'de>>(self, factors: A) -> Result<Scale, A::Error> {
         let factors = Vector::deserialize(SeqAccessDeserializer::new(factors))?;
         Ok(Scale(factors.0))
+    }
+}
+
+/// A colour: `"#d08030"`, or channels from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ColorFile(pub(super) BodyColor);
+
+impl<'de> Deserialize<'de> for ColorFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ColorVisitor)
+    }
+}
+
+struct ColorVisitor;
+
+impl<'de> Visitor<'de> for ColorVisitor {
+    type Value = ColorFile;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("a color: \"#d08030\", or three numbers from 0 to 1 (red, green, blue)")
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<ColorFile, E> {
+        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6);
+        let digits = digits.filter(|digits| digits.bytes().all(|byte| byte.is_ascii_hexdigit()));
+        let number = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok());
+        let [_, rgb @ ..] =
+            number.ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))?.to_be_bytes();
+        Ok(ColorFile(BodyColor(rgb)))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, channels: A) -> Result<ColorFile, A::Error> {
+        let channels = <[f64; 3]>::deserialize(SeqAccessDeserializer::new(channels))?;
+        let color = BodyColor::of_shares(channels).map(ColorFile);
+        color.ok_or_else(|| {
+            de::Error::custom(format!(
+                "expected red, green and blue from 0 to 1, found {channels:?}"
+            ))
+        })
     }
 }
 

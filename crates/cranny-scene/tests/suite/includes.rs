@@ -102,6 +102,59 @@ fn settings_are_for_the_file_that_is_loaded() {
     assert_eq!(set("gravity.z=1").unwrap().description.gravity, DVec3::Z);
     let unknown = set("bodies.floor.kind=Kinematic").unwrap_err().to_string();
     assert!(unknown.contains("`bodies` has no `floor`. It has cup"), "{unknown}");
+    assert!(unknown.contains("by its name: includes.\"house/room.ron\".bodies"), "{unknown}");
+}
+
+#[test]
+fn settings_reach_the_files_that_are_included() {
+    let files = Files::new();
+    files.write("hall.ron", "(includes: [\"house/room.ron\"])");
+    let set = |setting: &str| files.load(vec![setting.parse().unwrap()]);
+    for way in ["includes.\"house/room.ron\"", "includes.0"] {
+        let loaded = set(&format!("{way}.bodies.floor.pose.at=(0, 0, -3)")).unwrap();
+        assert_eq!(loaded.description.bodies[0].pose.translation.z, -3.0);
+        assert!(loaded.included_texts[0].contains("(0, 0, -3)"), "{:?}", loaded.included_texts);
+        assert_eq!(loaded.source_text, SCENE);
+    }
+    files.write("s.ron", &SCENE.replace("house/room.ron", "hall.ron"));
+    let deep = set("includes.\"hall.ron\".includes.0.groups.p.count=5").unwrap().description;
+    assert_eq!(deep.bodies.len(), 7);
+}
+
+#[test]
+fn settings_that_lead_into_no_included_file_are_refused_with_the_reason() {
+    let files = Files::new();
+    files.write("hall.ron", "(includes: [\"house/room.ron\"])");
+    let refused = |setting: &str| {
+        let error = files.load(vec![setting.parse().unwrap()]).unwrap_err().to_string();
+        assert!(error.contains(setting), "{error}");
+        error
+    };
+    for (setting, says) in [
+        ("includes.attic.bodies.a.mass=Total(1)", "s.ron, line 2, column 16"),
+        (
+            "includes.attic.bodies.a.mass=Total(1)",
+            "includes no \"attic\". It includes \"house/room.ron\"",
+        ),
+        (
+            "includes.0.gravity.z=-1",
+            "`gravity` of a file that is included does not count. Set that of the scene itself: gravity.z=-1",
+        ),
+        ("includes.0.bodies.roof.kind=Fixed", "room.ron, line 3"),
+        ("includes.0.bodies.roof.kind=Fixed", "`bodies` has no `roof`. It has floor"),
+        ("includes.0.bodies.floor.kind=Solid", "room.ron, line 3"),
+    ] {
+        let error = refused(setting);
+        assert!(error.contains(says), "{says}: {error}");
+    }
+    files.write(
+        "s.ron",
+        &SCENE.replace("[\"house/room.ron\"]", "[\"hall.ron\", \"house/room.ron\"]"),
+    );
+    let late = refused("includes.1.bodies.floor.kind=Fixed");
+    assert!(late.contains("is read before, since another file includes it"), "{late}");
+    files.write("s.ron", "()");
+    assert!(refused("includes.0.bodies.a.kind=Fixed").contains("It includes nothing"));
 }
 
 #[test]

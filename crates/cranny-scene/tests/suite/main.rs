@@ -19,6 +19,7 @@ mod corpus_files;
 mod equal;
 mod filed_meshes;
 mod generator_page;
+mod groups;
 mod includes;
 mod invariants;
 #[path = "../assets/meeting.rs"]

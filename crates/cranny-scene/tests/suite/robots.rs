@@ -500,6 +500,92 @@ fn motors_have_the_limits_of_the_robot_and_the_gains_of_the_scene() {
 }
 
 #[test]
+fn paths_lead_motors_from_where_they_begin() {
+    let files = Files::new();
+    let said = "hold: false, motors: {\"turn\": (stiffness: 30)}, paths: {\"turn\": (keyframes: [(time: 0, position: 0.25), (time: 2, position: 1.25)])}";
+    let scene = files.scene(&arm(), said).unwrap();
+    let turn = &scene.joints[0];
+    let motor = turn.motor.unwrap();
+    assert_eq!((turn.start, motor.position, motor.stiffness), (0.25, Some(0.25), Some(30.0)));
+    assert_eq!(turn.path.as_ref().unwrap().position_at(1.0), 0.75);
+    assert_eq!((scene.joints[1].motor, scene.joints[1].path.is_none()), (None, true));
+    let elsewhere = files.scene(&arm(), &format!("positions: {{\"turn\": 1}}, {said}")).unwrap();
+    assert_eq!((elsewhere.joints[0].start, held(&elsewhere.joints[0])), (1.0, Some(0.25)));
+}
+
+#[test]
+fn paths_that_contradict_a_robot_are_refused_with_line_and_value() {
+    let path = |joint: &str, keys: &str| format!("paths: {{\"{joint}\": (keyframes: [{keys}])}}");
+    let at = |position: f64| path("turn", &format!("(time: 0, position: {position})"));
+    for (said, says) in [
+        (at(2.5), "is at 2.5 at 0 s, outside its limits, -2 to 2"),
+        (
+            format!("targets: {{\"turn\": 1}}, {}", at(1.0)),
+            "joint \"turn\": it has a path and a target",
+        ),
+        (
+            format!("motors: {{\"turn\": (velocity: 1)}}, {}", at(1.0)),
+            "and a velocity of its motor",
+        ),
+        (path("turn", ""), "it has no keyframes"),
+        (
+            path("turn", "(time: 1, position: 0), (time: 1, position: 1)"),
+            "keyframe 1 is at 1 s, not after 1 s",
+        ),
+        (path("follow", "(time: 0, position: 0)"), "follows joint \"turn\""),
+        (path("bend", "(time: 0, position: 0)"), "no joint \"bend\""),
+    ] {
+        let error = Files::new().scene(&arm(), &said).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("s.ron, line 1,"), "{said}: {error}");
+    }
+}
+
+#[test]
+fn links_that_meet_along_a_path_and_paths_that_are_too_fast_are_warned_of() {
+    // The twin turns about the arm's root, and the hand is a unit away from it.
+    let text = arm().replace("lower=\"0\" upper=\"1\"", "lower=\"-1\" upper=\"1\"");
+    let path = |to: f64| {
+        format!(
+            "paths: {{\"slide\": (keyframes: [(time: 1, position: 0), (time: 3, position: {to})])}}"
+        )
+    };
+    let warnings = |to: f64| Files::new().loaded(&text, &path(to)).unwrap().warnings;
+    let meets =
+        |to: f64| warnings(to).iter().any(|what| what.contains("b - c (first seen at 2.766"));
+    assert!(meets(-1.0) && !meets(-0.5), "{:?}", warnings(-1.0));
+    let fast = path(-1.0).replace("time: 3", "time: 1.5");
+    let loaded = Files::new().loaded(&text, &fast).unwrap();
+    let says =
+        "joint \"slide\": its path asks for a velocity of 2 after 1 s, but 1 is its greatest";
+    assert!(loaded.warnings.iter().any(|what| what.contains(says)), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn links_have_the_color_of_the_material_with_the_greatest_surface() {
+    let visual = |size: f64, material: &str| {
+        format!("<visual><geometry><box size=\"{size} 1 1\"/></geometry>{material}</visual>")
+    };
+    let named = "<material name=\"paint\"/>";
+    let own = "<material name=\"own\"><color rgba=\"0 0 1 1\"/></material>";
+    let bytes = "<material name=\"bytes\"><color rgba=\"255 0 0 255\"/></material>";
+    let text = urdf(&format!(
+        "<link name=\"a\">{}{}{}</link><link name=\"b\">{}</link><link name=\"c\">{}</link>{}{}<material name=\"paint\"><color rgba=\"1 0.5 0 0.5\"/></material>",
+        visual(2.0, own),
+        visual(3.0, named),
+        visual(9.0, ""),
+        visual(1.0, bytes),
+        visual(1.0, "<material name=\"none\"/>"),
+        joint("j", "fixed", "a", "b", ""),
+        joint("k", "fixed", "a", "c", "")
+    ));
+    let robot = Files::new().read(&text).unwrap();
+    let colors: Vec<_> = robot.links.iter().map(|link| link.color.map(|color| color.0)).collect();
+    assert_eq!(colors, [Some([255, 128, 0]), None, None]);
+    let says = "line 3: link \"b\" has the color \"255 0 0 255\", which is not four numbers";
+    assert!(robot.notes.iter().any(|note| note.contains(says)), "{:?}", robot.notes);
+}
+
+#[test]
 fn joints_start_within_their_limits() {
     let text = arm().replace("lower=\"-2\" upper=\"2\"", "lower=\"-2\" upper=\"-0.5\"");
     let loaded = Files::new().loaded(&text, "").unwrap();

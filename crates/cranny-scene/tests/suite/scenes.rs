@@ -75,6 +75,26 @@ fn everything_in_a_scene_arrives() {
 }
 
 #[test]
+fn bodies_have_colors_and_what_is_none_is_refused_with_its_value() {
+    let colored = |color: &str| {
+        parse(&format!("(bodies: [(name: \"a\", shape: Generator(Cuboid()),\ncolor: {color})])"))
+    };
+    let color = |text: &str| colored(text).unwrap().description.bodies[0].color.unwrap().0;
+    assert_eq!(color("\"#d08030\""), [0xd0, 0x80, 0x30]);
+    assert_eq!(color("(1, 0.5, 0)"), [255, 128, 0]);
+    for (wrong, says) in [
+        ("\"#d0803\"", "\"#d0803\""),
+        ("\"#+08030\"", "\"#+08030\""),
+        ("\"red\"", "or three numbers from 0 to 1"),
+        ("(208, 128, 48)", "from 0 to 1, found [208.0, 128.0, 48.0]"),
+        ("(1, 0.5)", "3"),
+    ] {
+        let error = colored(wrong).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("line 2"), "{wrong}: {error}");
+    }
+}
+
+#[test]
 fn an_empty_scene_has_defaults_and_the_seed_can_be_replaced() {
     let scene = parse("()").unwrap().description;
     assert_eq!((scene.bodies.len(), scene.record.every), (0, 4));

@@ -3,6 +3,8 @@
 use cranny_exact::{DQuat, Pose};
 use thiserror::Error;
 
+use super::keyframes::{Keyed, Keyframes, Span};
+
 /// A pose at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
@@ -10,6 +12,17 @@ pub struct Keyframe {
     pub time: f64,
     /// `world_from_body`.
     pub pose: Pose,
+}
+
+impl Keyed for Keyframe {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn check(&self, index: usize) -> Result<(), PathError> {
+        let checked = Pose::checked(self.pose.rotation, self.pose.translation);
+        checked.map(|_| ()).map_err(|_| PathError::Pose { index })
+    }
 }
 
 /// How a path gets from one keyframe to the next. Both ways pass through the same poses: the body's
@@ -65,6 +78,14 @@ pub enum PathError {
         /// Which, from 0.
         index: usize,
     },
+    /// A joint's position that is no number.
+    #[error("keyframe {index}: its position {position} is not finite")]
+    Position {
+        /// Which, from 0.
+        index: usize,
+        /// Its position.
+        position: f64,
+    },
     /// A loop that takes no time.
     #[error("it loops, but its last keyframe is at 0 s: let it last longer, or hold")]
     NoLoop,
@@ -72,11 +93,7 @@ pub enum PathError {
 
 /// A path in the world. A kinematic body follows it and pushes away what it meets.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KeyframedPath {
-    keyframes: Vec<Keyframe>,
-    interpolation: Interpolation,
-    end: PathEnd,
-}
+pub struct KeyframedPath(Keyframes<Keyframe>);
 
 impl KeyframedPath {
     /// A path through keyframes; before the first one it is there.
@@ -89,86 +106,50 @@ impl KeyframedPath {
         interpolation: Interpolation,
         end: PathEnd,
     ) -> Result<Self, PathError> {
-        let last = keyframes.last().ok_or(PathError::Empty)?.time;
-        for (index, &Keyframe { time, pose }) in keyframes.iter().enumerate() {
-            if !(time >= 0.0 && time.is_finite()) {
-                return Err(PathError::Time { index, time });
-            }
-            let before = index.checked_sub(1).map(|before| keyframes[before].time);
-            if let Some(before) = before.filter(|before| *before >= time) {
-                return Err(PathError::Order { index, time, before });
-            }
-            if Pose::checked(pose.rotation, pose.translation).is_err() {
-                return Err(PathError::Pose { index });
-            }
-        }
-        if end == PathEnd::Loop && last == 0.0 {
-            return Err(PathError::NoLoop);
-        }
-        Ok(Self { keyframes, interpolation, end })
+        Keyframes::new(keyframes, interpolation, end).map(Self)
     }
 
     /// The keyframes, times rising.
     #[must_use]
     pub fn keyframes(&self) -> &[Keyframe] {
-        &self.keyframes
+        &self.0.list
     }
 
     /// How it gets from one to the next.
     #[must_use]
     pub fn interpolation(&self) -> Interpolation {
-        self.interpolation
+        self.0.interpolation
     }
 
     /// What it does after the last one.
     #[must_use]
     pub fn end(&self) -> PathEnd {
-        self.end
+        self.0.end
     }
 
     /// Seconds to the last keyframe, or of one round.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.keyframes[self.keyframes.len() - 1].time
+        self.0.duration()
     }
 
     /// The pose at a time, seconds since the path began; a keyframe's own at the keyframe's time.
     #[must_use]
     pub fn pose_at(&self, seconds: f64) -> Pose {
-        let time = self.within(seconds);
-        let next = self.keyframes.partition_point(|keyframe| keyframe.time <= time);
-        let Some(before) = next.checked_sub(1) else { return self.keyframes[0].pose };
-        let (from, to) = (self.keyframes[before], self.keyframes.get(next));
-        let Some(to) = to.filter(|_| from.time < time) else { return from.pose };
-        let share = (time - from.time) / (to.time - from.time);
-        let share = match self.interpolation {
-            Interpolation::Linear => share,
-            Interpolation::Eased => share * share * (3.0 - 2.0 * share),
-        };
-        between(&from.pose, &to.pose, share)
+        match self.0.span(seconds) {
+            Span::At(keyframe) => keyframe.pose,
+            Span::Between { from, to, of_time } => {
+                between(&from.pose, &to.pose, self.0.interpolation.of_way(of_time))
+            }
+        }
     }
 
     /// Whether the path goes on from `before` to `after` (seconds) without a jump.
     #[must_use]
     pub fn is_continuous(&self, before: f64, after: f64) -> bool {
-        let round = |seconds: f64| self.round_of(seconds).0;
-        let closed = || self.keyframes[0].pose == self.keyframes[self.keyframes.len() - 1].pose;
-        self.end == PathEnd::Hold || round(before) == round(after) || closed()
-    }
-
-    /// The same time in the first round of a path that loops.
-    fn within(&self, seconds: f64) -> f64 {
-        match self.end {
-            PathEnd::Hold => seconds,
-            PathEnd::Loop => self.round_of(seconds).1,
-        }
-    }
-
-    /// The round that a time is in, and the time in it: of one division, so that the two agree.
-    fn round_of(&self, seconds: f64) -> (f64, f64) {
-        let duration = self.duration();
-        let rest = seconds.rem_euclid(duration);
-        (((seconds - rest) / duration).round(), rest)
+        let round = |seconds: f64| self.0.round_of(seconds).0;
+        let closed = || self.0.first().pose == self.0.last().pose;
+        self.0.end == PathEnd::Hold || round(before) == round(after) || closed()
     }
 }
 

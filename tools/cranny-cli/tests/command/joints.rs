@@ -55,3 +55,34 @@ fn a_rod_on_a_ball_joint_swings_through_and_gains_no_energy() {
     assert!(moved < -0.5, "it swings through: {moved}");
     assert!(summary["energy_drift"].as_f64().unwrap() < 0.02, "{summary}");
 }
+
+/// Where a step of a path has a joint be, it is, with a load and at any step.
+#[test]
+fn motors_lead_joints_along_their_paths() {
+    const PATH: &str = "keyframes: [(time: 0, position: 0), (time: 1, position: 1), (time: 2, position: 0.25)], interpolation: Eased";
+    let folder = Folder::new();
+    folder.write("arm.urdf", r#"<robot name="arm"><link name="base"/><link name="hand"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link><joint name="lift" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/></joint></robot>"#);
+    let scene = folder.write("s.ron", &format!(r#"(
+        step: 0.005, duration: 1,
+        bodies: [
+            (name: "rail", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (5, 0, 0))),
+            (name: "cart", shape: Generator(Cuboid()), pose: (at: (5, 0, 0))),
+        ],
+        joints: [(name: "slide", parent: "rail", child: "cart", kind: Prismatic(axis: (0, 1, 0)), path: ({PATH}))],
+        robots: [(path: "arm.urdf", name: "arm", paths: {{"lift": ({PATH})}})],
+        effects: [Response()],
+    )"#));
+    let displacement = |duration: &str, body: &str, axis: usize| {
+        let set = format!("duration={duration}");
+        let summary = &run(&["run", &scene, "--format", "json", "--set", &set]).json_lines()[0];
+        let motion = summary["motion"].as_array().unwrap();
+        let motion = motion.iter().find(|motion| motion["body"] == body).cloned();
+        motion.map_or(f64::NAN, |motion| motion["displacement"][axis].as_f64().unwrap())
+    };
+    for (duration, expected) in [("0.5", 0.5), ("1", 1.0), ("1.5", 0.625), ("3", 0.25)] {
+        let [lift, slide] =
+            [("arm/hand", 2), ("cart", 1)].map(|(b, i)| displacement(duration, b, i));
+        assert!((lift - expected).abs() < 1e-2, "after {duration} s: {lift}");
+        assert!((slide - expected).abs() < 3e-2, "after {duration} s: {slide}");
+    }
+}

@@ -63,3 +63,21 @@ fn settings_that_are_wrong_are_refused_with_their_place() {
     let args = ["accuracy", &mesh, &mesh, "--poses", &poses, "--out", &out, "--set", "step=1"];
     run(&args).assert_refused(2, &["--set step=1", "meshes"]);
 }
+
+/// A run drives them apart; whoever reads its results should know.
+#[test]
+fn check_and_run_name_what_overlaps_at_the_start() {
+    let folder = Folder::new();
+    let two = SCENE.replace(
+        "bodies: [",
+        "bodies: [(name: \"block\", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (0.75, 0, 0))), ",
+    );
+    let scene = folder.write("s.ron", two);
+    let says = "\"block\" and \"stone\" overlap by 0.250000 at the start";
+    let checked = &run(&["check", &scene, "--format", "json"]).json_lines()[0];
+    assert!(checked["warnings"][0].as_str().unwrap().starts_with(says), "{checked}");
+    let ran = run(&["run", &scene, "--verbose"]);
+    assert!(ran.code == Some(0) && ran.stderr.contains(says), "{ran:?}");
+    let apart = run(&["run", &scene, "--verbose", "--set", "bodies.block.pose.at.x=1.5"]);
+    assert!(!apart.stderr.contains("overlap"), "{apart:?}");
+}

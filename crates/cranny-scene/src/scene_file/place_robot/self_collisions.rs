@@ -26,7 +26,7 @@ impl Placing<'_> {
         let named = |a: &str, b: &str| {
             disabled.iter().any(|[x, y]| (x == a && y == b) || (x == b && y == a))
         };
-        let name = |body: usize| self.robot.links[self.link_of_body[body]].name.as_str();
+        let name = |body: usize| self.link_name(body);
         excluded.extend(pairs.clone().filter(|&(i, j)| named(name(i), name(j))).map(in_scene));
         let adjacent = self.joints.iter().map(|j| (j.parent.min(j.child), j.parent.max(j.child)));
         match self.file.self_collisions {
@@ -57,13 +57,22 @@ impl Placing<'_> {
         &self,
         excluded: &[(usize, usize)],
     ) -> Result<Vec<(usize, usize)>, ArrangementError> {
+        let poses: Vec<Pose> = self.bodies.iter().map(|body| body.pose).collect();
+        Ok(self.arrangement(excluded).at(&poses, Wanted::Meeting)?.meeting)
+    }
+
+    /// The bodies, and all of their pairs beside those excluded.
+    pub(super) fn arrangement(&self, excluded: &[(usize, usize)]) -> Arrangement {
         let in_robot = |&(a, b): &(usize, usize)| (a - self.first, b - self.first);
         let excluded: BTreeSet<_> = excluded.iter().map(in_robot).collect();
         let shapes =
             self.bodies.iter().map(|body| body.shape.clone().filter(|_| !body.layers.is_empty()));
         let pairs = (0..self.bodies.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let pairs = pairs.filter(|pair| !excluded.contains(pair));
-        let poses: Vec<Pose> = self.bodies.iter().map(|body| body.pose).collect();
-        Ok(Arrangement::new(shapes.collect(), pairs).at(&poses, Wanted::Meeting)?.meeting)
+        Arrangement::new(shapes.collect(), pairs.filter(|pair| !excluded.contains(pair)))
+    }
+
+    /// The name of the link that a body is.
+    pub(super) fn link_name(&self, body: usize) -> &str {
+        &self.robot.links[self.link_of_body[body]].name
     }
 }

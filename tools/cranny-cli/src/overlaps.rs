@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use cranny_exact::{Aabb, Pose};
+use cranny_exact::Aabb;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
@@ -17,14 +17,14 @@ const SHALLOW: f64 = 1e-4;
 /// Overlaps that are listed.
 const LISTED: usize = 8;
 
-/// A sentence for each pair that overlaps, the deepest first.
-pub(super) fn at_start(scene: &SceneDescription) -> Vec<String> {
-    let shapes = Shapes::of(scene);
-    let mut found: Vec<(f64, String)> = pairs(scene, &shapes.boxes)
+/// A sentence for each pair that overlaps, the deepest first. Bodies are [prepared](prepare).
+pub(crate) fn at_start(scene: &SceneDescription) -> Vec<String> {
+    let boxes = boxes(scene);
+    let mut found: Vec<(f64, String)> = pairs(scene, &boxes)
         .filter_map(|(a, b)| {
-            let depth = shapes.depth(scene, a, b)?;
-            let [a, b] = [a, b].map(|body| &scene.bodies[body].name);
-            Some((depth, format!("{a:?} and {b:?} {}", words(depth))))
+            let [a, b] = [a, b].map(|body| &scene.bodies[body]);
+            let depth = depth([a, b])?;
+            Some((depth, format!("{:?} and {:?} {}", a.name, b.name, words(depth))))
         })
         .collect();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
@@ -68,40 +68,29 @@ fn responds(scene: &SceneDescription, [a, b]: [&BodyDescription; 2]) -> bool {
     moves && meet && !a.sensor && !b.sensor && named.any(|effect| *effect == Effect::Response)
 }
 
-/// What collides of each body, and where; of a mesh that cannot be prepared, nothing: a run says
-/// why.
-struct Shapes {
-    shapes: Vec<Option<BodyShape>>,
-    boxes: Vec<Aabb>,
+/// The box of each body.
+fn boxes(scene: &SceneDescription) -> Vec<Aabb> {
+    let bounds = |body: &BodyDescription| {
+        let map = body.pose.world_from_body();
+        let of_mesh = || map.bounds(&body.collision.bounds());
+        body.shape.as_ref().map_or_else(of_mesh, |shape| shape.bounds(&map))
+    };
+    scene.bodies.iter().map(bounds).collect()
 }
 
-impl Shapes {
-    fn of(scene: &SceneDescription) -> Self {
-        let mut known: Vec<(Arc<Mesh>, Option<BodyShape>)> = Vec::new();
-        let shapes: Vec<_> = scene.bodies.iter().map(|body| shape(body, &mut known)).collect();
-        let bounds = |(body, shape): (&BodyDescription, &Option<BodyShape>)| {
-            let map = body.pose.world_from_body();
-            shape
-                .as_ref()
-                .map_or_else(|| map.bounds(&body.collision.bounds()), |shape| shape.bounds(&map))
-        };
-        let boxes = scene.bodies.iter().zip(&shapes).map(bounds).collect();
-        Self { shapes, boxes }
-    }
+/// How deep two bodies overlap, if deep enough to tell; infinite where one lies in the other. Of a
+/// mesh that cannot be prepared nothing is known: a run says why.
+fn depth([a, b]: [&BodyDescription; 2]) -> Option<f64> {
+    let question = Query::of(Demand::Regions { margin: 0.0 });
+    let answer =
+        query_shapes(placed(a)?, placed(b)?, &question, &mut PairMemory::default()).ok()?;
+    let diagonal = |body: &BodyDescription| body.collision.bounds().diagonal();
+    let depth = depth_of(&answer);
+    (depth > SHALLOW * diagonal(a).min(diagonal(b))).then_some(depth)
+}
 
-    /// How deep two bodies overlap, if deep enough to tell; infinite where one lies in the other.
-    fn depth(&self, scene: &SceneDescription, a: usize, b: usize) -> Option<f64> {
-        let placed = |body: usize| {
-            let pose: Pose = scene.bodies[body].pose;
-            self.shapes[body].as_ref().map(|shape| PlacedShape { shape, pose })
-        };
-        let question = Query::of(Demand::Regions { margin: 0.0 });
-        let answer =
-            query_shapes(placed(a)?, placed(b)?, &question, &mut PairMemory::default()).ok()?;
-        let diagonal = |body: usize| scene.bodies[body].collision.bounds().diagonal();
-        let depth = depth_of(&answer);
-        (depth > SHALLOW * diagonal(a).min(diagonal(b))).then_some(depth)
-    }
+fn placed(body: &BodyDescription) -> Option<PlacedShape<'_>> {
+    body.shape.as_ref().map(|shape| PlacedShape { shape, pose: body.pose })
 }
 
 fn depth_of(answer: &Answer) -> f64 {
@@ -111,20 +100,24 @@ fn depth_of(answer: &Answer) -> f64 {
     if answer.contained.is_some() && known <= 0.0 { f64::INFINITY } else { known }
 }
 
-fn shape(
-    body: &BodyDescription,
-    known: &mut Vec<(Arc<Mesh>, Option<BodyShape>)>,
-) -> Option<BodyShape> {
-    if let Some(shape) = &body.shape {
-        return Some(shape.clone());
+/// Prepares the meshes of bodies, each once, as a run does and then need not.
+pub(crate) fn prepare(scene: &mut SceneDescription) {
+    let mut known: Vec<(Arc<Mesh>, Option<BodyShape>)> = Vec::new();
+    for body in scene.bodies.iter_mut().filter(|body| body.shape.is_none()) {
+        let mesh = &body.collision;
+        body.shape = match known.iter().find(|(other, _)| Arc::ptr_eq(other, mesh)) {
+            Some((_, shape)) => shape.clone(),
+            None => {
+                let shape = prepared(mesh);
+                known.push((Arc::clone(mesh), shape.clone()));
+                shape
+            }
+        };
     }
-    let mesh = &body.collision;
-    if let Some((_, shape)) = known.iter().find(|(other, _)| Arc::ptr_eq(other, mesh)) {
-        return shape.clone();
-    }
+}
+
+fn prepared(mesh: &Mesh) -> Option<BodyShape> {
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    let built = Model::build(Mesh::clone(mesh), &options).ok();
-    let shape = built.map(|(model, _)| BodyShape::from(model));
-    known.push((Arc::clone(mesh), shape.clone()));
-    shape
+    let built = Model::build(mesh.clone(), &options).ok();
+    built.map(|(model, _)| BodyShape::from(model))
 }
