@@ -59,7 +59,7 @@ pub(crate) fn note_change(mut world: DeferredWorld<'_>, context: HookContext) {
 
 /// Hook of [`Sensor`]: one that nothing would notice brings [`Trigger`] along.
 pub(crate) fn note_sensor(mut world: DeferredWorld<'_>, context: HookContext) {
-    note_change(world.reborrow(), context.clone());
+    note_change(world.reborrow(), context);
     if is_unnoticed(&world, context.entity) {
         world.commands().entity(context.entity).try_insert(Trigger);
     }

@@ -127,9 +127,9 @@ impl Default for GravityScale {
     }
 }
 
-/// How fast a dynamic body loses linear velocity, a second: `v' = -damping * v`; finite and at least
-/// 0, without it 0. A link of a [reduced](crate::Joint::reduced) joint has its joint's resistance
-/// instead.
+/// How fast a dynamic body loses linear velocity, a second: `v' = -damping * v`; finite and at
+/// least 0, without it 0. A link of a [reduced](crate::Joint::reduced) joint has its joint's
+/// resistance instead.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(on_add = note_rule)]
 pub struct LinearDamping(pub f64);

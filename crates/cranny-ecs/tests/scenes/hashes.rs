@@ -10,9 +10,9 @@ use cranny_exact::DVec3;
 use cranny_scene::load_scene;
 use cranny_world::description::{JointDescription, Normals, SceneDescription};
 
-/// State hashes of scenes of `assets/` after so many seconds, and of which meshes. A change of what is
-/// computed replaces them; `cranny run SCENE --duration SECONDS --format json` of a release build
-/// says the same.
+/// State hashes of scenes of `assets/` after so many seconds, and of which meshes. A change of what
+/// is computed replaces them; `cranny run SCENE --duration SECONDS --format json` of a release
+/// build says the same.
 const HASHES: [(&str, f64, u64, &str); 5] = [
     (
         "robot_arm",
@@ -62,6 +62,11 @@ fn scene(name: &str) -> SceneDescription {
     loaded.unwrap_or_else(|error| panic!("{error}")).description
 }
 
+#[expect(clippy::print_stderr, reason = "a skipped test says so")]
+fn say_skipped(name: &str, meshes: u64) {
+    eprintln!("skipped {name}: sines of this platform make other meshes ({meshes:#x})");
+}
+
 #[test]
 fn scenes_end_in_the_stored_states_in_every_profile() {
     let mut wrong = Vec::new();
@@ -69,7 +74,7 @@ fn scenes_end_in_the_stored_states_in_every_profile() {
         let scene = scene(name);
         let found = meshes(&scene);
         if found != of_meshes {
-            eprintln!("skipped {name}: sines of this platform make other meshes ({found:#x})");
+            say_skipped(name, found);
             continue;
         }
         let options = RunOptions { duration: Some(seconds), ..RunOptions::default() };

@@ -152,10 +152,13 @@ fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
     assert!(model.is_same(&record(&app, one).shape));
 }
 
+/// Puts a rule beside a part.
+type InsertRule = fn(&mut EntityWorldMut<'_>);
+
 /// What is said beside a part is said of nobody: it is refused, there from the start or later.
 #[test]
 fn rules_of_a_part_are_refused_by_name() {
-    let refused = |rule: fn(&mut EntityWorldMut<'_>), late: bool| {
+    let refused = |rule: InsertRule, late: bool| {
         let mut app = empty(&[Effect::TRIGGER]);
         let body = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
         let handle = (Name::new("handle"), unit(), up(3.0), ChildOf(body));
@@ -166,7 +169,7 @@ fn rules_of_a_part_are_refused_by_name() {
         rule(&mut world(&mut app).entity_mut(handle));
         app.step().unwrap_err().to_string()
     };
-    let rules: [(&str, fn(&mut EntityWorldMut<'_>)); 12] = [
+    let rules: [(&str, InsertRule); 12] = [
         ("Sensor", |part| _ = part.insert(Sensor)),
         ("Trigger", |part| _ = part.insert(Trigger)),
         ("Proximity", |part| _ = part.insert(Proximity { within: 1.0 })),

@@ -7,8 +7,8 @@ use cranny_world::description::{Motor, MotorPath};
 use super::body_syntax::MotorPathFile;
 use super::syntax::MotorFile;
 
-/// Greatest velocity of a motor on a path, where none is stated, beside that of its path. Smaller: a
-/// joint that was held back never catches up; larger: it does so with a jerk.
+/// Greatest velocity of a motor on a path, where none is stated, beside that of its path. Smaller:
+/// a joint that was held back never catches up; larger: it does so with a jerk.
 const CATCHES_UP: f64 = 2.0;
 
 /// What is to lead a joint: where its motor pulls, and where it goes over time.

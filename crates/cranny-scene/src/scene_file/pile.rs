@@ -3,7 +3,8 @@
 //! Every body's bounding sphere has a cell of a grid to itself, so bodies cannot overlap whatever
 //! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows
 //! and as wide as the region allows, and each sphere lies anywhere in the middle of its cell that
-//! leaves half the gap to the walls. A cell in which its body would meet what stands there stays empty.
+//! leaves half the gap to the walls. A cell in which its body would meet what stands there stays
+//! empty.
 
 use std::sync::Arc;
 

@@ -62,7 +62,7 @@ fn motors_lead_joints_along_their_paths() {
     const PATH: &str = "keyframes: [(time: 0, position: 0), (time: 1, position: 1), (time: 2, position: 0.25)], interpolation: Eased";
     let folder = Folder::new();
     folder.write("arm.urdf", r#"<robot name="arm"><link name="base"/><link name="hand"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link><joint name="lift" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/></joint></robot>"#);
-    let scene = folder.write("s.ron", &format!(r#"(
+    let scene = folder.write("s.ron", format!(r#"(
         step: 0.005, duration: 1,
         bodies: [
             (name: "rail", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (5, 0, 0))),
