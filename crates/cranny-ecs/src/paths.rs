@@ -12,10 +12,13 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_world::BodyId;
-use cranny_world::description::{KeyframedPath, Motor, MotorPath};
+#[cfg(feature = "rapier")]
+use cranny_world::description::Motor;
+use cranny_world::description::{KeyframedPath, MotorPath};
 
 use crate::body::{Bodies, Body, narrowed, pose_of, transform_of};
 use crate::clock::{CoreSystems, CrannyStep, SimulatedTime, StepSystems};
+#[cfg(feature = "rapier")]
 use crate::joints::Joint;
 use crate::kinematics::Kinematic;
 use crate::properties::{AngularVelocity, LinearVelocity, RigidBody};
@@ -51,7 +54,7 @@ pub struct FollowsMotorPath {
     pub since: f64,
 }
 
-/// Leads kinematic bodies and motors along their paths.
+/// Leads kinematic bodies along their paths.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathPlugin;
 
@@ -59,10 +62,7 @@ impl Plugin for PathPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             CrannyStep,
-            (
-                lead.run_if(any_with_component::<FollowsPath>),
-                lead_motors.run_if(any_with_component::<FollowsMotorPath>),
-            )
+            lead.run_if(any_with_component::<FollowsPath>)
                 .in_set(PathSystems::Lead)
                 .in_set(StepSystems::Admit)
                 .after(CoreSystems::Admit),
@@ -132,7 +132,9 @@ fn lead(mut led: Query<(Led, &FollowsPath)>, time: Res<SimulatedTime>, steering:
     }
 }
 
-fn lead_motors(
+/// Leads motors along their paths; the solver's, which alone has joints.
+#[cfg(feature = "rapier")]
+pub(crate) fn lead_motors(
     joints: Query<(Entity, &Joint, &FollowsMotorPath)>,
     time: Res<SimulatedTime>,
     mut commands: Commands,

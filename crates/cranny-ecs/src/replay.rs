@@ -19,7 +19,8 @@ use cranny_record::{
     DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
 };
 use cranny_world::description::{
-    Accuracy, BodyDescription, BodyKind, Material, Normals, RecordDescription, SceneDescription,
+    Accuracy, BodyDescription, BodyKind, Effect, Material, Normals, RecordDescription,
+    SceneDescription,
 };
 use thiserror::Error;
 
@@ -311,6 +312,10 @@ impl Replay {
         let metadata = self.recording.metadata(topic::METADATA);
         let entry = |key: &str| metadata.and_then(|entries| entries.get(key)).cloned();
         let name = entry("scene").filter(|name| !name.is_empty());
+        // Whether contacts were computed is all that pictures ask of them.
+        let named = entry(topic::EFFECTS_KEY).unwrap_or_default();
+        let makes_contacts = named.split(", ").any(|name| ["Contacts", "Response"].contains(&name));
+        let contacts = makes_contacts.then_some(Effect::Contacts { margin: 0.0 });
         let stem = || self.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         SceneDescription {
             name: name.or_else(stem).unwrap_or_default(),
@@ -321,7 +326,7 @@ impl Replay {
             bodies: self.bodies.values().map(|body| described(body, frame)).collect(),
             joints: Vec::new(),
             excluded_pairs: Vec::new(),
-            effects: Vec::new(),
+            effects: contacts.into_iter().collect(),
             accuracy: Accuracy::Exact,
             budget: None,
             pairs: Vec::new(),

@@ -26,6 +26,7 @@ use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::hooks::CollisionHooks;
+use crate::paths::{FollowsMotorPath, lead_motors};
 use crate::plugins::PluginOptions;
 use crate::properties::{AngularVelocity, LinearVelocity, Sleeping};
 use crate::readers::ContactReaders;
@@ -156,6 +157,9 @@ impl Plugin for ResponsePlugin {
                 (pull_transforms, tell_sleepers).in_set(ResponseSystems::Advance),
             ),
         );
+        let led = lead_motors.run_if(any_with_component::<FollowsMotorPath>);
+        let led = led.in_set(ResponseSystems::Sync).before(solved::relate);
+        app.add_systems(CrannyStep, led);
         (self.add_step)(app);
         app.world_mut().resource_mut::<Tally>().depths_known |= hands_over;
         let presses = app.world().resource::<EffectTable>().names(EffectKind::Trigger);
