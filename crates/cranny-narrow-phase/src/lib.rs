@@ -120,7 +120,7 @@ pub use motion::drift;
 pub use observe::PairObserver;
 pub use penetration::Penetration;
 pub use query::{Demand, Method, Normals, Placed, Query};
-pub use reduce::reduce as reduce_contacts;
+pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;
 pub use verify::{Mismatch, query_verified};
 

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::PatchId;
-use cranny_narrow_phase::{Contact, Feature};
+use cranny_narrow_phase::{Contact, Feature, SAME_NORMAL};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::Real;
 use rapier3d::parry::query::{ContactManifold, TrackedContact};
@@ -23,11 +23,6 @@ pub(crate) type Manifold = ContactManifold<ContactManifoldData, ContactData>;
 /// Cosine of the angle (8 degrees) within which a contact takes over the impulse of an earlier one
 /// without its ids. Larger: impulses turn round corners; smaller: they are lost where a body rolls.
 const SAME_WAY: f64 = 0.99;
-
-/// Cosine of the angle (0.03 degrees) within which contacts share a manifold, and so a normal.
-/// Larger angles: a curved flank gets normals that are not its own, and 0.3 degrees already cost a
-/// turning nut motion; smaller: flat contacts fall apart into single points by rounding.
-const SAME_NORMAL: f64 = 0.999_999_9;
 
 /// Points of a manifold at most: rapier solves no more.
 const MAX_POINTS: usize = 4;

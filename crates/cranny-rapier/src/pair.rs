@@ -13,7 +13,7 @@ use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, overlaps_by_regions,
-    reduce_contacts, smooth_normal,
+    reduce_level_contacts, smooth_normal,
 };
 use cranny_primitives::{
     contacts,
@@ -230,7 +230,7 @@ impl PairWorkspace {
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
         let is_smooth = self.leads_out && led.is_none();
-        let searched = is_smooth.then(|| reduce_contacts(answer.contacts.clone()));
+        let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
         let contacts = listed.iter().map(|contact| {
             solver_contact(contact, ids_of(contact, models), &cores, pose, is_smooth)

@@ -36,7 +36,7 @@ const HASHES: [(&str, f64, u64, &str); 5] = [
         "nut_under_gravity_smooth",
         0.1,
         0xb656_682d_1e75_6550,
-        "73e59192c2fe63768a5625131e01846e982312513e7f47842cc52ee24c97af4a",
+        "599778b6e014733864394a8a81602625388a4545f883c62163e6d57e6acd5d3d",
     ),
     (
         "budgeted_triggers",

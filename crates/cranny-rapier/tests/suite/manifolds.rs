@@ -2,7 +2,7 @@
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{FaceId, Model};
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query, reduce_contacts};
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query, reduce_level_contacts};
 use cranny_rapier::{MeshShape, dispatcher, pose_from_rapier, pose_to_rapier};
 use cranny_shapes::{Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, Torus};
 use rapier3d::geometry::ContactManifold;
@@ -84,7 +84,7 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option
     let deep = 0.5 * thickness[0].min(thickness[1]);
     let deepest = answer.contacts.first().map_or(0.0, |c| -c.separation);
     let way_out = answer.solid && (answer.contained.is_some() || deepest >= deep);
-    (!way_out).then(|| reduce_contacts(answer.contacts).len())
+    (!way_out).then(|| reduce_level_contacts(answer.contacts).len())
 }
 
 /// Whether a feature id is one of the model's.
