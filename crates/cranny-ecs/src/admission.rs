@@ -66,7 +66,7 @@ pub(crate) fn note_sensor(mut world: DeferredWorld<'_>, context: HookContext) {
 }
 
 /// Whether no effect beside an entity or of all bodies notices anything, and `Trigger` would: the
-/// app has its plugin, or none that notices. (One without any is told so.)
+/// app has its plugin, or none that notices. (One without any fails.)
 fn is_unnoticed(world: &World, entity: Entity) -> bool {
     let Some(table) = world.get_resource::<EffectTable>() else { return false };
     let own = effects_of(world.entity(entity));

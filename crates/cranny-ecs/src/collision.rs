@@ -63,7 +63,7 @@ impl CollisionContact {
     }
 }
 
-/// Who is who in what is told of two bodies, which are its fields `body` and `other`.
+/// Who is who in a report about two bodies, which are its fields `body` and `other`.
 macro_rules! two_bodies {
     ($($told:ty),+) => {$(
         impl $told {

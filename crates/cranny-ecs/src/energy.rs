@@ -8,7 +8,7 @@ use crate::clock::CrannyStep;
 use crate::response::ResponseSystems;
 use crate::solved::{self, RigidBodies};
 
-/// Follows what a summary tells of the solver: a sum over all bodies at both ends of each step.
+/// Follows what a summary reports of the solver: a sum over all bodies at both ends of each step.
 pub(crate) struct EnergyPlugin;
 
 impl Plugin for EnergyPlugin {

@@ -20,7 +20,7 @@ use cranny_world::description::Effect;
 
 use crate::admission::{Noted, become_part};
 use crate::body::{Bodies, Body, pose_of};
-use crate::collider::{Collider, VisualMesh};
+use crate::collider::{Collider, Painted, VisualMesh};
 use crate::effect_components::{EffectAccuracy, effects_of};
 use crate::error::{Failure, SceneAppError};
 use crate::paths::FollowsPath;
@@ -195,7 +195,7 @@ type HasRule = fn(&EntityRef<'_>) -> bool;
 const RULES: &[(&str, HasRule)] = rules!(
     Sensor EffectAccuracy Friction Restitution Density Mass GravityScale LinearDamping
     AngularDamping LockedAxes ExternalForce ExternalImpulse LinearVelocity AngularVelocity
-    CollisionLayers SmoothNormals VisualMesh Tracker FollowsPath
+    CollisionLayers SmoothNormals VisualMesh Painted Tracker FollowsPath
 );
 
 /// Fails if a part of a body says something of its own that counts for the whole body.

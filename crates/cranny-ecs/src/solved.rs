@@ -202,7 +202,7 @@ impl RigidBodies {
     }
 
     /// Energies since the first step of a [`SceneApp`](crate::SceneApp). Other apps do not sum them
-    /// up: then the present energy is all that it tells.
+    /// up: it returns the present energy there.
     #[must_use]
     pub fn energy(&self) -> EnergyRange {
         self.energy.unwrap_or_else(|| EnergyRange::starting(self.simulation.energy()))

@@ -106,7 +106,7 @@ pub struct BodyDescription {
     pub shape: Option<BodyShape>,
     /// Geometry to draw where it differs.
     pub visual: Option<Arc<Mesh>>,
-    /// Colour to draw it in; `None`: one that tells it from its neighbours.
+    /// Colour to draw it in; `None`: one that differs from its neighbours'.
     pub color: Option<BodyColor>,
     /// How it moves.
     pub kind: BodyKind,

@@ -248,7 +248,7 @@ fn a_sensor_alone_is_noticed() {
     world.entity_mut(late).remove::<Trigger>();
     world.run_schedule(CrannyStep);
     assert!(touched(world, late).is_empty() && !world.resource::<Failure>().is_set());
-    // Pairs may ask for what notices it; where nothing can, the app is told.
+    // Pairs may name what notices it; where nothing can, the step fails.
     let (mut app_, _) = app(&[EffectKind::Proximity]);
     app_.world_mut().run_schedule(CrannyStep);
     assert!(!app_.world().resource::<Failure>().is_set());

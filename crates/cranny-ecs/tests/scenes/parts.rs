@@ -169,7 +169,10 @@ fn rules_of_a_part_are_refused_by_name() {
         rule(&mut world(&mut app).entity_mut(handle));
         app.step().unwrap_err().to_string()
     };
-    let rules: [(&str, InsertRule); 12] = [
+    let rules: [(&str, InsertRule); 13] = [
+        ("Painted", |part| {
+            _ = part.insert(Painted(cranny_world::description::BodyColor([208, 128, 48])))
+        }),
         ("Sensor", |part| _ = part.insert(Sensor)),
         ("Trigger", |part| _ = part.insert(Trigger)),
         ("Proximity", |part| _ = part.insert(Proximity { within: 1.0 })),

@@ -91,8 +91,8 @@ fn the_drone_in_the_submarine_pushes_the_chair_towards_the_bow() {
     while app.step().unwrap() {}
     let moved = pose(&app, "chair").translation - start;
     assert!(moved.x > 0.3, "{moved}");
-    // Beside the deck it falls into the bilge, and lies within the hull: no part of it is farther
-    // from the axis than the hull's inside.
+    // Beside the deck it falls into the bilge, and lies within the hull: no part of it is as far
+    // from the axis as the hull is wide.
     let world = app.app().world();
     let bodies = world.resource::<Bodies>();
     let mesh = |name| bodies.get(bodies.find(name).unwrap()).unwrap().model().unwrap().mesh();

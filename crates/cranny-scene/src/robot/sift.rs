@@ -3,7 +3,7 @@
 //! mended and noted.
 //!
 //! Kept are links with `inertial`, `visual` (its colour too) and `collision`, and joints. All else
-//! (textures, transmissions, sensors, extensions of simulators) goes, whatever is wrong with it.
+//! (textures, transmissions, sensors, extensions of simulators) goes, right or wrong.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
