@@ -9,9 +9,9 @@ use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
 use cranny_world::description::{BodyDescription, BodyKind, Effect, SceneDescription};
 
-/// Depth up to which an overlap is not reported, as a share of the smaller body's diagonal. Smaller:
-/// bodies that stand on each other by rounded coordinates are named; larger: a jerk in the first
-/// step comes without a warning.
+/// Depth up to which an overlap is not reported, as a share of the smaller body's diagonal.
+/// Smaller: bodies that stand on each other by rounded coordinates are named; larger: a jerk in the
+/// first step comes without a warning.
 const SHALLOW: f64 = 1e-4;
 
 /// Overlaps that are listed.

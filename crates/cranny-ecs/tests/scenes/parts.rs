@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
-use cranny_world::description::Effect;
+use cranny_world::description::{BodyColor, Effect};
 
 use crate::build::{cuboid, empty, height, steps, unit, up, world};
 
@@ -152,6 +152,8 @@ fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
     assert!(model.is_same(&record(&app, one).shape));
 }
 
+const ORANGE: BodyColor = BodyColor([208, 128, 48]);
+
 /// Puts a rule beside a part.
 type InsertRule = fn(&mut EntityWorldMut<'_>);
 
@@ -170,9 +172,7 @@ fn rules_of_a_part_are_refused_by_name() {
         app.step().unwrap_err().to_string()
     };
     let rules: [(&str, InsertRule); 13] = [
-        ("Painted", |part| {
-            _ = part.insert(Painted(cranny_world::description::BodyColor([208, 128, 48])))
-        }),
+        ("Painted", |part| _ = part.insert(Painted(ORANGE))),
         ("Sensor", |part| _ = part.insert(Sensor)),
         ("Trigger", |part| _ = part.insert(Trigger)),
         ("Proximity", |part| _ = part.insert(Proximity { within: 1.0 })),
