@@ -52,6 +52,7 @@
 //! ```
 
 mod adaptive;
+mod box_index;
 mod box_tree;
 mod error;
 mod index;
@@ -61,6 +62,7 @@ mod slots;
 mod sweep_and_prune;
 
 pub use adaptive::AdaptiveBroadPhase;
+pub use box_index::BoxIndex;
 pub use box_tree::BoxTree;
 pub use error::{BroadPhaseError, InvariantError};
 pub use keeper::PairKeeper;

@@ -87,6 +87,7 @@ mod solved;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+mod spatial_index;
 mod spawn;
 mod summary;
 mod sweep;

@@ -1,23 +1,27 @@
 //! Questions of an app about the bodies around a place: rays, shapes, points, distances.
 
+use std::cell::Cell;
+use std::sync::Arc;
+
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::SystemParam;
+use bevy_ecs::system::{SystemChangeTick, SystemParam};
 use bevy_math::{Dir3, Vec3};
 use bevy_transform::components::Transform;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::FaceId;
 use cranny_impact::{ImpactError, Motion};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Query as PairQuery};
+use cranny_narrow_phase::{Answer, Containment, Demand, PairMemory, Query as PairQuery};
 use cranny_primitives::{
     BodyShape, PlacedShape, PrimitiveError, Separation, ShapeQueryError, ShapeRayHit,
     cast_ray_at_shape, query_shapes, separation_of_point,
 };
-use cranny_world::{Layers, world_box};
+use cranny_world::{BodyId, Layers, world_box};
 use thiserror::Error;
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
 use crate::collider::Collider;
 use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
+use crate::spatial_index::{SeenBoxes, SpatialIndex};
 use crate::sweep::{MovingShape, Swept, first_meeting};
 
 /// Which bodies a question is about.
@@ -64,6 +68,15 @@ pub enum SpatialQueryError {
     NoBody {
         /// The entity.
         entity: Entity,
+    },
+    /// Two primitives, of which one is to lie in the other.
+    #[error(
+        "whether a primitive lies in the primitive of entity {outer} is not known: one of the two \
+         must be a mesh"
+    )]
+    InPrimitive {
+        /// The entity that is to hold the other.
+        outer: Entity,
     },
     /// A place, direction or length that is none.
     #[error(transparent)]
@@ -154,7 +167,10 @@ pub enum TimeOfImpact {
 /// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through
 /// no edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
 /// nothing, however thin or fast. Of primitives it is right to rounding, and rays to parry's
-/// tolerance. A question costs a box a body, and beyond that what lies near.
+/// tolerance.
+///
+/// A question costs what lies near, found by a tree of boxes. A system keeps its tree for as long
+/// as no body moves; then its next question costs a box a body, and sorting them.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -172,19 +188,20 @@ pub enum TimeOfImpact {
 /// ```
 #[derive(SystemParam)]
 pub struct SpatialQuery<'w, 's> {
-    bodies: Query<
-        'w,
-        's,
-        (
-            &'static Body,
-            &'static Transform,
-            &'static LinearVelocity,
-            &'static AngularVelocity,
-            Option<&'static CollisionLayers>,
-        ),
-    >,
+    bodies: Query<'w, 's, Placement>,
     records: Res<'w, Bodies>,
+    index: Local<'s, SpatialIndex>,
+    ticks: SystemChangeTick,
 }
+
+/// A body, where it is and how it moves, and its layers.
+type Placement = (
+    &'static Body,
+    Ref<'static, Transform>,
+    &'static LinearVelocity,
+    &'static AngularVelocity,
+    Option<&'static CollisionLayers>,
+);
 
 /// A body that is asked about.
 #[derive(Clone, Copy)]
@@ -217,17 +234,19 @@ impl SpatialQuery<'_, '_> {
         max_distance: f64,
         filter: &SpatialQueryFilter,
     ) -> Result<Option<RayHitData>, SpatialQueryError> {
-        finite("origin", origin)?;
-        let mut first: Option<RayHitData> = None;
-        for body in self.candidates(filter) {
-            let within = first.map_or(max_distance, |hit| hit.distance);
-            let hit = ray_at(&body, origin, direction, within)?;
-            first = match (first, hit) {
-                (Some(first), Some(hit)) if hit.distance >= first.distance => Some(first),
-                (first, hit) => hit.or(first),
-            };
+        let ray = RayOf::checked(origin, direction, max_distance)?;
+        let (bodies, within) = (self.seen(), Cell::new(max_distance));
+        let mut first: Option<(f64, BodyId, RayHitData)> = None;
+        for id in bodies.reached(|held| ray.enters(held, within.get())) {
+            let Some(body) = self.candidate(id, filter) else { continue };
+            // To the last bit the same as without the others: not up to what is met already.
+            let Some(hit) = ray.at(&body, max_distance)? else { continue };
+            if first.is_none_or(|(distance, before, _)| (hit.distance, id) < (distance, before)) {
+                within.set(hit.distance);
+                first = Some((hit.distance, id, hit));
+            }
         }
-        Ok(first)
+        Ok(first.map(|(_, _, hit)| hit))
     }
 
     /// Where a ray enters or leaves bodies first, one hit a body, the nearest first.
@@ -242,9 +261,12 @@ impl SpatialQuery<'_, '_> {
         max_distance: f64,
         filter: &SpatialQueryFilter,
     ) -> Result<Vec<RayHitData>, SpatialQueryError> {
-        finite("origin", origin)?;
-        let hits = self.candidates(filter);
-        let hits = hits.filter_map(|b| ray_at(&b, origin, direction, max_distance).transpose());
+        let ray = RayOf::checked(origin, direction, max_distance)?;
+        let bodies = self.seen();
+        let mut met: Vec<BodyId> = bodies.reached(|held| ray.enters(held, max_distance)).collect();
+        met.sort_unstable();
+        let met = met.into_iter().filter_map(|id| self.candidate(id, filter));
+        let hits = met.filter_map(|body| ray.at(&body, max_distance).transpose());
         let mut hits: Vec<RayHitData> = hits.collect::<Result<_, _>>()?;
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         Ok(hits)
@@ -265,14 +287,13 @@ impl SpatialQuery<'_, '_> {
     ) -> Result<Option<ShapeHitData>, SpatialQueryError> {
         let (start, travel) = (pose_of(start), finite("travel", travel)?);
         let length = travel.length();
+        let whole = swept_box(shape.shape(), &Motion::straight(start, travel));
         let mut first: Option<ShapeHitData> = None;
-        for body in self.candidates(filter) {
+        for body in self.near(&whole, filter) {
             // Beyond what is met already nothing matters.
             let share = first.map_or(1.0, |hit| (hit.distance / length).min(1.0));
             let motion = Motion::straight(start, share * travel);
-            let ends = [0.0, 1.0].map(|t| world_box(shape.shape(), &motion.pose_at(t), 0.0));
-            let swept = ends[0].union(&ends[1]);
-            if !swept.overlaps(&body.bounds()) {
+            if !swept_box(shape.shape(), &motion).overlaps(&body.bounds()) {
                 continue;
             }
             let moving = MovingShape { shape: shape.shape(), motion };
@@ -316,7 +337,7 @@ impl SpatialQuery<'_, '_> {
         let here = PlacedShape { shape: shape.shape(), pose: pose_of(at) };
         let around = world_box(here.shape, &here.pose, 0.0);
         let mut met = Vec::new();
-        for body in self.candidates(filter).filter(|body| around.overlaps(&body.bounds())) {
+        for body in self.near(&around, filter) {
             let answer = asked(here, placed(&body), Demand::Intersects)?;
             if answer.touches() {
                 met.push(body.record.entity);
@@ -332,7 +353,8 @@ impl SpatialQuery<'_, '_> {
             let here = in_frame_of(body, point);
             separation_of_point(body.shape(), here, 0.0) == Ok(Separation::Meeting)
         };
-        self.candidates(filter).filter(holds).map(|body| body.record.entity).collect()
+        let here = Aabb::of_points([widened(point)]);
+        self.near(&here, filter).filter(holds).map(|body| body.record.entity).collect()
     }
 
     /// The point of any body that is nearest to a given one, no farther away than `max_distance`;
@@ -347,33 +369,21 @@ impl SpatialQuery<'_, '_> {
         max_distance: f64,
         filter: &SpatialQueryFilter,
     ) -> Result<Option<PointProjection>, SpatialQueryError> {
-        finite("point", point)?;
-        let mut nearest: Option<PointProjection> = None;
-        for body in self.candidates(filter) {
-            let within = nearest.map_or(max_distance, |found| found.distance);
-            let here = in_frame_of(&body, point);
-            let entity = body.record.entity;
-            let found = match separation_of_point(body.shape(), here, within)? {
-                Separation::Farther => None,
-                Separation::Meeting => Some(PointProjection {
-                    entity,
-                    point: widened(point),
-                    distance: 0.0,
-                    is_inside: true,
-                }),
-                Separation::Apart { distance, witnesses: [on_body, _] } => Some(PointProjection {
-                    entity,
-                    point: body.pose.world_from_body().apply(on_body),
-                    distance,
-                    is_inside: false,
-                }),
-            };
-            let nearer = |found: &PointProjection| {
-                nearest.is_none_or(|nearest| found.distance < nearest.distance)
-            };
-            nearest = found.filter(nearer).or(nearest);
+        let at = Aabb::of_points([finite("point", point)?]);
+        length_checked(max_distance)?;
+        let (bodies, within) = (self.seen(), Cell::new(max_distance));
+        let near = |held: &Aabb| held.distance_squared_lower(&at) <= within.get() * within.get();
+        let mut nearest: Option<(f64, BodyId, PointProjection)> = None;
+        for id in bodies.reached(near) {
+            let Some(body) = self.candidate(id, filter) else { continue };
+            let Some(found) = projected(&body, point, within.get())? else { continue };
+            let key = (found.distance, id);
+            if nearest.is_none_or(|(distance, before, _)| key < (distance, before)) {
+                within.set(found.distance);
+                nearest = Some((found.distance, id, found));
+            }
         }
-        Ok(nearest)
+        Ok(nearest.map(|(_, _, found)| found))
     }
 
     /// How far two bodies are apart, and where.
@@ -400,6 +410,32 @@ impl SpatialQuery<'_, '_> {
     pub fn intersects(&self, a: Entity, b: Entity) -> Result<bool, SpatialQueryError> {
         let [a, b] = [self.body(a)?, self.body(b)?];
         Ok(asked(placed(&a), placed(&b), Demand::Intersects)?.touches())
+    }
+
+    /// Whether a body lies wholly in the solid of another, without touching its surface: exact
+    /// between meshes, else right to rounding.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::NoBody`], or [`SpatialQueryError::InPrimitive`] for a primitive in a
+    /// primitive.
+    pub fn contains(&self, outer: Entity, inner: Entity) -> Result<bool, SpatialQueryError> {
+        let [outer, inner] = [self.body(outer)?, self.body(inner)?];
+        match (outer.shape(), inner.shape()) {
+            (BodyShape::Model(_), _) => {
+                let answer = asked(placed(&outer), placed(&inner), Demand::Intersects)?;
+                Ok(answer.contained == Some(Containment::BInA))
+            }
+            (BodyShape::Primitive(_), BodyShape::Model(model)) => {
+                let map = outer.pose.inverse().compose(&inner.pose).world_from_body();
+                let mut corners = model.mesh().vertices().iter().map(|&corner| map.apply(corner));
+                let holds = |corner| separation_of_point(outer.shape(), corner, 0.0);
+                Ok(corners.all(|corner| holds(corner) == Ok(Separation::Meeting)))
+            }
+            (BodyShape::Primitive(_), BodyShape::Primitive(_)) => {
+                Err(SpatialQueryError::InPrimitive { outer: outer.record.entity })
+            }
+        }
     }
 
     /// When two bodies meet within so many seconds, if both keep their velocities: nothing is
@@ -436,22 +472,40 @@ impl SpatialQuery<'_, '_> {
         })
     }
 
-    /// By ascending ids.
-    fn candidates<'a>(
+    /// Where all bodies are now.
+    fn seen(&self) -> Arc<SeenBoxes> {
+        let moved = self.bodies.iter().map(|(_, transform, ..)| transform.last_changed());
+        let changes = moved.chain([self.records.last_changed()]);
+        let everything = SpatialQueryFilter::default();
+        let boxes = self
+            .records
+            .iter()
+            .filter_map(|(id, _)| self.candidate(id, &everything).map(|body| (id, body.bounds())));
+        self.index.now(self.ticks.this_run(), changes, boxes)
+    }
+
+    /// The bodies whose boxes overlap another one, by ascending ids.
+    fn near<'a>(
         &'a self,
+        around: &Aabb,
         filter: &'a SpatialQueryFilter,
     ) -> impl Iterator<Item = Candidate<'a>> {
-        self.records.iter().filter_map(move |(_, record)| {
-            let (_, transform, _, _, layers) = self.bodies.get(record.entity).ok()?;
-            let layers = layers.copied().unwrap_or_default().0;
-            let taken = filter.takes(record.entity, layers);
-            taken.then(|| Candidate { record, pose: pose_of(transform) })
-        })
+        let near = self.seen().overlapping(around).into_iter();
+        near.filter_map(move |id| self.candidate(id, filter))
+    }
+
+    /// A body, if the question is about it.
+    fn candidate(&self, id: BodyId, filter: &SpatialQueryFilter) -> Option<Candidate<'_>> {
+        let record = self.records.get(id)?;
+        let (_, transform, _, _, layers) = self.bodies.get(record.entity).ok()?;
+        let layers = layers.copied().unwrap_or_default().0;
+        let taken = filter.takes(record.entity, layers);
+        taken.then(|| Candidate { record, pose: pose_of(&transform) })
     }
 
     fn body(&self, entity: Entity) -> Result<Candidate<'_>, SpatialQueryError> {
         let found = self.bodies.get(entity).ok().and_then(|(body, transform, ..)| {
-            Some(Candidate { record: self.records.get(body.id)?, pose: pose_of(transform) })
+            Some(Candidate { record: self.records.get(body.id)?, pose: pose_of(&transform) })
         });
         found.ok_or(SpatialQueryError::NoBody { entity })
     }
@@ -473,25 +527,86 @@ fn in_frame_of(body: &Candidate<'_>, point: Vec3) -> DVec3 {
     body.pose.world_from_body().inverse().apply(widened(point))
 }
 
-/// Where a ray meets a body.
-fn ray_at(
-    body: &Candidate<'_>,
+/// A ray that is asked about, in the world.
+struct RayOf {
     origin: Vec3,
     direction: Dir3,
+    /// Far beyond whatever has a box in single precision.
+    end: DVec3,
+}
+
+/// How far rays are followed through boxes. Smaller, and what is beyond is not met; larger, and the
+/// direction is rounded no better.
+const FARTHEST: f64 = 1e15;
+
+/// By what the distance of a box may be wrong, as a share. Smaller, and what is met at its box is
+/// missed; larger, and more boxes are opened.
+const BOX_ROUNDING: f64 = 1e-12;
+
+impl RayOf {
+    fn checked(origin: Vec3, direction: Dir3, within: f64) -> Result<Self, PrimitiveError> {
+        let from = finite("origin", origin)?;
+        length_checked(within)?;
+        Ok(Self {
+            origin,
+            direction,
+            end: from + FARTHEST * widened(direction.as_vec3()).normalize(),
+        })
+    }
+
+    /// Whether it enters a box no farther away than that.
+    fn enters(&self, held: &Aabb, within: f64) -> bool {
+        let share = held.entered_at(widened(self.origin), self.end);
+        share.is_some_and(|share| share * FARTHEST * (1.0 - BOX_ROUNDING) <= within)
+    }
+
+    /// Where it meets a body, no farther away than that.
+    fn at(&self, body: &Candidate<'_>, within: f64) -> Result<Option<RayHitData>, PrimitiveError> {
+        let map = body.pose.world_from_body();
+        let along = map.inverse().apply_vector(widened(self.direction.as_vec3()));
+        let hit = cast_ray_at_shape(body.shape(), in_frame_of(body, self.origin), along, within)?;
+        let filed = |face| body.record.model().map(|model| model.filed_face(face));
+        Ok(hit.map(|ShapeRayHit { distance, point, normal, face, from_behind }| RayHitData {
+            entity: body.record.entity,
+            distance,
+            point: map.apply(point),
+            normal: map.apply_vector(normal),
+            face: face.and_then(filed),
+            from_inside: from_behind,
+        }))
+    }
+}
+
+/// The point of a body that is nearest to another, no farther away than that.
+fn projected(
+    body: &Candidate<'_>,
+    point: Vec3,
     within: f64,
-) -> Result<Option<RayHitData>, PrimitiveError> {
-    let map = body.pose.world_from_body();
-    let along = map.inverse().apply_vector(widened(direction.as_vec3()));
-    let hit = cast_ray_at_shape(body.shape(), in_frame_of(body, origin), along, within)?;
-    let filed = |face| body.record.model().map(|model| model.filed_face(face));
-    Ok(hit.map(|ShapeRayHit { distance, point, normal, face, from_behind }| RayHitData {
-        entity: body.record.entity,
-        distance,
-        point: map.apply(point),
-        normal: map.apply_vector(normal),
-        face: face.and_then(filed),
-        from_inside: from_behind,
-    }))
+) -> Result<Option<PointProjection>, PrimitiveError> {
+    let entity = body.record.entity;
+    let found = separation_of_point(body.shape(), in_frame_of(body, point), within)?;
+    Ok(match found {
+        Separation::Farther => None,
+        Separation::Meeting => {
+            Some(PointProjection { entity, point: widened(point), distance: 0.0, is_inside: true })
+        }
+        Separation::Apart { distance, witnesses: [on_body, _] } => Some(PointProjection {
+            entity,
+            point: body.pose.world_from_body().apply(on_body),
+            distance,
+            is_inside: false,
+        }),
+    })
+}
+
+/// A box around a shape on a way on which it does not turn.
+fn swept_box(shape: &BodyShape, motion: &Motion) -> Aabb {
+    let ends = [0.0, 1.0].map(|t| world_box(shape, &motion.pose_at(t), 0.0));
+    ends[0].union(&ends[1])
+}
+
+fn length_checked(value: f64) -> Result<(), PrimitiveError> {
+    if value >= 0.0 { Ok(()) } else { Err(PrimitiveError::Length { what: "distance", value }) }
 }
 
 fn finite(what: &'static str, value: Vec3) -> Result<DVec3, PrimitiveError> {

@@ -2,6 +2,10 @@
 
 use glam::DVec3;
 
+/// By what the entry into a box may be wrong, as a share of it: a few roundings. Smaller, and faces
+/// in the plane of a side of their box are missed; larger, and more boxes are opened.
+const ENTRY_ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// An axis-aligned box `min <= max`, or [`Aabb::EMPTY`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -87,6 +91,28 @@ impl Aabb {
         // Four roundings of relative size 2^-53 each; eight leave room.
         gap.length_squared() * (1.0 - 8.0 * f64::EPSILON)
     }
+
+    /// At which share of a segment, from 0 to 1, it enters the closed box, or a few roundings
+    /// before; `None` where it does not.
+    #[must_use]
+    pub fn entered_at(&self, from: DVec3, to: DVec3) -> Option<f64> {
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            let (from, to) = (from[axis], to[axis]);
+            let (min, max) = (self.min[axis], self.max[axis]);
+            if from == to {
+                if from < min || from > max {
+                    return None;
+                }
+                continue;
+            }
+            let [a, b] = [min, max].map(|side| (side - from) / (to - from));
+            let (first, last) = (a.min(b), a.max(b));
+            enter = enter.max(first - ENTRY_ROUNDING * first.abs());
+            leave = leave.min(last + ENTRY_ROUNDING * last.abs());
+        }
+        (enter <= leave).then_some(enter)
+    }
 }
 
 fn map(v: DVec3, f: impl Fn(f64) -> f64) -> DVec3 {
@@ -99,6 +125,22 @@ mod tests {
 
     fn unit_box_at(x: f64) -> Aabb {
         Aabb { min: DVec3::new(x, 0.0, 0.0), max: DVec3::new(x + 1.0, 1.0, 1.0) }
+    }
+
+    #[test]
+    fn a_segment_enters_where_it_meets_the_first_side() {
+        let entered = |x: f64, to: f64| {
+            unit_box_at(x).entered_at(DVec3::splat(0.5), DVec3::new(to, 0.5, 0.5))
+        };
+        assert_eq!(entered(0.0, 9.0), Some(0.0), "it begins inside");
+        assert!((entered(4.5, 8.5).unwrap() - 0.5).abs() < 1e-15);
+        assert_eq!(entered(4.5, 4.4), None, "it ends before");
+        assert_eq!(entered(-4.0, 8.5), None, "it leads away");
+        let above = DVec3::new(0.5, 2.0, 0.5);
+        assert_eq!(unit_box_at(0.0).entered_at(above, above + 9.0 * DVec3::X), None);
+        let unbounded = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::new(f64::INFINITY, 1.0, 1.0) };
+        assert_eq!(unbounded.entered_at(DVec3::ZERO, DVec3::X), Some(0.0));
+        assert!(unbounded.entered_at(above, 0.5 * DVec3::ONE).is_some_and(|at| at > 0.6));
     }
 
     #[test]

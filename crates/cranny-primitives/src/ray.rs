@@ -3,13 +3,13 @@
 //! Whether a ray passes a face is decided by exact signs, which neighbouring faces share: no ray
 //! slips between them, and none misses a corner.
 
-use cranny_exact::{Aabb, DVec3, Sign, orient3d};
+use cranny_exact::{DVec3, Sign, orient3d};
 use cranny_geometry::{Content, FaceId, Model};
 
 use crate::primitive::{PrimitiveError, direction, place};
 
-/// By what the entry into a box may be wrong, as a share of it: a few roundings. Smaller, and faces
-/// in the plane of a side of their box are missed; larger, and more boxes are opened.
+/// By what the distance at which a ray enters a box may be wrong, as a share of it: a few
+/// roundings. Smaller, and what is met at the box is missed; larger, and more boxes are opened.
 const BOX_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Where a ray meets a model, in the model's frame.
@@ -82,7 +82,8 @@ fn first_hit(model: &Model, ray: &RaySegment, length: f64) -> Option<RayHit> {
     let tree = model.tree();
     let mut best: Option<RayHit> = None;
     let mut stack: Vec<(f64, u32)> = Vec::new();
-    let entry = |node: u32| ray.entry(&tree.node(node).bounds).map(|at| (at, node));
+    let entry =
+        |node: u32| tree.node(node).bounds.entered_at(ray.from, ray.to).map(|at| (at, node));
     if !tree.nodes().is_empty() {
         stack.extend(entry(0));
     }
@@ -112,26 +113,6 @@ fn first_hit(model: &Model, ray: &RaySegment, length: f64) -> Option<RayHit> {
 }
 
 impl RaySegment {
-    /// At which share of the segment it enters a box, at the earliest; `None` where it does not.
-    fn entry(&self, bounds: &Aabb) -> Option<f64> {
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for axis in 0..3 {
-            let (from, to) = (self.from[axis], self.to[axis]);
-            let (min, max) = (bounds.min[axis], bounds.max[axis]);
-            if from == to {
-                if from < min || from > max {
-                    return None;
-                }
-                continue;
-            }
-            let [a, b] = [min, max].map(|side| (side - from) / (to - from));
-            let (first, last) = (a.min(b), a.max(b));
-            enter = enter.max(first - BOX_ROUNDING * first.abs());
-            leave = leave.min(last + BOX_ROUNDING * last.abs());
-        }
-        (enter <= leave).then_some(enter)
-    }
-
     /// Where the segment meets a face.
     fn meets(&self, model: &Model, face: FaceId, length: f64) -> Option<RayHit> {
         let Self { from, to } = *self;

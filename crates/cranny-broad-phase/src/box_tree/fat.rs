@@ -22,10 +22,20 @@ const LARGEST_SHARE: f64 = 0.25;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 /// The smallest box in single precision around another.
-fn rounded(aabb: &Aabb) -> FatBox {
+pub(crate) fn rounded(aabb: &Aabb) -> FatBox {
     FatBox {
         mins: vector(aabb.min.to_array().map(below)),
         maxs: vector(aabb.max.to_array().map(above)),
+    }
+}
+
+/// A [rounded] box in double precision; it has no bound where that was cut off.
+pub(crate) fn unrounded(aabb: &FatBox) -> Aabb {
+    let [min, max] = [aabb.mins, aabb.maxs].map(wide);
+    let limit = DVec3::splat(FARTHEST);
+    Aabb {
+        min: DVec3::select(min.cmple(-limit), DVec3::NEG_INFINITY, min),
+        max: DVec3::select(max.cmpge(limit), DVec3::INFINITY, max),
     }
 }
 
@@ -52,10 +62,14 @@ pub(super) fn wear(before: &Aabb, now: &Aabb) -> f64 {
 
 /// Whether a fat box holds a box, or what the cut leaves of it.
 pub(super) fn holds(fat: &FatBox, aabb: &Aabb) -> bool {
-    let [low, high] = [fat.mins, fat.maxs].map(|v| DVec3::new(v.x.into(), v.y.into(), v.z.into()));
+    let [low, high] = [fat.mins, fat.maxs].map(wide);
     let limit = DVec3::splat(FARTHEST);
     low.cmple(aabb.min.clamp(-limit, limit)).all()
         && high.cmpge(aabb.max.clamp(-limit, limit)).all()
+}
+
+fn wide(v: Vector) -> DVec3 {
+    DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
 fn vector([x, y, z]: [f32; 3]) -> Vector {

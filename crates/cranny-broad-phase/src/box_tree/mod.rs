@@ -23,6 +23,7 @@ use crate::slots::{Slot, Slots, State};
 use crate::{InvariantError, Motion};
 use candidate::Candidate;
 use fat::{fattened, holds, step, wear};
+pub(crate) use fat::{rounded, unrounded};
 use parry3d::bounding_volume::{Aabb as FatBox, BoundingVolume};
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhLeafUpdateStatus, BvhWorkspace};

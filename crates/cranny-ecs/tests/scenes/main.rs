@@ -33,6 +33,7 @@ mod response;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+mod spatial_index;
 mod tracking;
 #[cfg(all(feature = "rapier", feature = "scene"))]
 mod worlds;
