@@ -25,7 +25,7 @@
 //! `reach` bounds how long two boxes or two triangles stay apart; `search` descends the box trees
 //! with these bounds, the earliest candidate first; `faces` settles two triangles: curved motion is
 //! cut into pieces that are linear to within a fraction of the tolerance, and `linear` finds when
-//! the vertices, edges and faces of a piece meet.
+//! the vertices, edges and faces of a piece meet. `ways` lets several bodies move at once.
 //!
 //! # Cost
 //!
@@ -44,10 +44,12 @@ mod motion;
 mod reach;
 mod rotation;
 mod search;
+mod ways;
 
 pub use impact::{Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, time_of_impact};
 pub use linear::{LinearImpact, LinearLimits, linear_edge_edge, linear_vertex_face};
 pub use motion::{MAX_TURN, Motion, Moving};
+pub use ways::{Way, shorten};
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

@@ -6,16 +6,14 @@
 //! and whoever would have met something on its way stays where it was just before. It keeps its
 //! velocity: the next step finds the contact, and solves it.
 //!
-//! Ways are screws from the pose before to the pose after. Of several bodies that meet, each is
-//! held back to the earliest of its meetings; as that changes ways, they are held against each
-//! other again, and what has not come to an end after [`ROUNDS`] stops at one common time, up to
-//! which nothing met anything.
+//! Ways are screws from the pose before to the pose after; [`shorten`] settles them among several
+//! bodies.
 
 use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
-use cranny_impact::{Impact, ImpactOptions, Motion, Moving, time_of_impact};
+use cranny_impact::{Impact, ImpactOptions, Motion, Moving, Way, shorten, time_of_impact};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -26,10 +24,6 @@ use super::{BodyIndex, Simulation};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 use crate::dispatcher::Dispatcher;
 use crate::pair::ours;
-
-/// How often ways are held against each other anew. More: a pile that is hit hard takes longer;
-/// fewer: bodies stop that would have gone on.
-const ROUNDS: usize = 4;
 
 /// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
 /// it hovers; smaller: f32 does not tell the gap from none.
@@ -47,47 +41,6 @@ const KEPT_SPEED: Real = 0.5;
 /// Elementary tests of a way. More: what slides along a thread stalls the step; fewer: ways among
 /// many faces end before they have to.
 const BUDGET: u64 = 200_000;
-
-/// What a body does within a step, and up to which share of its way it goes.
-#[derive(Clone, Copy)]
-struct Way {
-    motion: Motion,
-    until: f64,
-}
-
-impl Way {
-    /// Whether it goes anywhere.
-    fn moves(&self) -> bool {
-        self.motion.travel != DVec3::ZERO || self.motion.turn != DVec3::ZERO
-    }
-
-    /// As far as it goes.
-    fn motion(&self) -> Motion {
-        let Motion { turn, travel, .. } = self.motion;
-        Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
-    }
-}
-
-/// Bodies that met each other, by the lowest of each group.
-#[derive(Default)]
-struct Groups(BTreeMap<BodyIndex, BodyIndex>);
-
-impl Groups {
-    fn of(&self, body: BodyIndex) -> BodyIndex {
-        let mut at = body;
-        while let Some(&next) = self.0.get(&at) {
-            at = next;
-        }
-        at
-    }
-
-    fn join(&mut self, [a, b]: [BodyIndex; 2]) {
-        let [a, b] = [self.of(a), self.of(b)];
-        if a != b {
-            self.0.insert(a.max(b), a.min(b));
-        }
-    }
-}
 
 impl Simulation {
     /// Says whether a body passes through no other one, and no other one through it, however fast,
@@ -118,7 +71,8 @@ impl Simulation {
         if !named.is_empty() {
             ways.extend(self.indices().map(|body| (body, self.way_of(body))));
             let pairs = self.pairs_on_the_way(&named, &ways, hooks);
-            self.shorten(&mut ways, &pairs);
+            let gives_way = |body| self.can_be_held(body);
+            shorten(&mut ways, &pairs, gives_way, |pair, motions| self.meeting(pair, motions));
         }
         self.stop(&ways);
     }
@@ -127,50 +81,13 @@ impl Simulation {
     fn way_of(&self, body: BodyIndex) -> Way {
         let before = self.poses_before[body.0 as usize];
         let center = wide(self.tagged[body.0 as usize].center);
-        Way { motion: Motion::between(before, self.pose(body), center), until: 1.0 }
-    }
-
-    /// Lets bodies go as far as nobody meets anybody.
-    fn shorten(&self, ways: &mut BTreeMap<BodyIndex, Way>, pairs: &[[BodyIndex; 2]]) {
-        let mut together = Groups::default();
-        for round in 0..=ROUNDS {
-            let before = ways.clone();
-            let meetings =
-                pairs.iter().filter_map(|&pair| Some((pair, self.meeting(pair, &before)?)));
-            let mut met = false;
-            for (pair, time) in meetings {
-                met = true;
-                let held = pair.into_iter().filter(|&body| self.can_be_held(body));
-                for body in held.clone() {
-                    let way = ways.entry(body).or_insert(before[&body]);
-                    way.until = way.until.min(time * before[&body].until);
-                }
-                if held.count() == 2 {
-                    together.join(pair);
-                }
-            }
-            if !met {
-                return;
-            }
-            if round == ROUNDS {
-                break;
-            }
-        }
-        // Whoever met stops at one time, up to which none of them has met another.
-        let mut earliest: BTreeMap<BodyIndex, f64> = BTreeMap::new();
-        for (&body, way) in &*ways {
-            let first = earliest.entry(together.of(body)).or_insert(1.0);
-            *first = first.min(way.until);
-        }
-        for (&body, way) in ways {
-            way.until = earliest[&together.of(body)];
-        }
+        Way::whole(Motion::between(before, self.pose(body), center))
     }
 
     /// Puts bodies where their ways end now, and brakes what gets nowhere for the second time.
     fn stop(&mut self, ways: &BTreeMap<BodyIndex, Way>) {
         let stalled = std::mem::take(&mut self.stalled);
-        for (&body, way) in ways.iter().filter(|(_, way)| way.until < 1.0 && way.moves()) {
+        for (&body, way) in ways.iter().filter(|(_, way)| way.is_shortened()) {
             let pose = pose_to_rapier(&way.motion.pose_at(way.until));
             let handle = self.handle(body);
             let rigid = &mut self.bodies[handle];
@@ -282,10 +199,9 @@ impl Simulation {
 
     /// At which share of the ways that are left two bodies come as near each other as they are let,
     /// to a factor of two. `None` also where they touch or overlap at the beginning.
-    fn meeting(&self, pair: [BodyIndex; 2], ways: &BTreeMap<BodyIndex, Way>) -> Option<f64> {
-        let moving =
-            |body| Some(Moving { model: self.model_of(body)?, motion: ways.get(&body)?.motion() });
-        let ends = [moving(pair[0])?, moving(pair[1])?];
+    fn meeting(&self, pair: [BodyIndex; 2], motions: [Motion; 2]) -> Option<f64> {
+        let moving = |k: usize| Some(Moving { model: self.model_of(pair[k])?, motion: motions[k] });
+        let ends = [moving(0)?, moving(1)?];
         let sizes = pair.map(|body| {
             let tagged = &self.tagged[body.0 as usize];
             f64::from(tagged.thickness.min(tagged.radius))

@@ -1,0 +1,238 @@
+//! Several bodies that move at once: how far each goes before any of them meets another.
+//!
+//! Of bodies that meet, each is held back to the earliest of its meetings; as that changes ways,
+//! they are held against each other again. What has not come to an end after [`ROUNDS`] stops at
+//! one common time, up to which nothing met anything, and so does what meets it then.
+
+use std::collections::BTreeMap;
+
+use cranny_exact::DVec3;
+
+use crate::motion::Motion;
+
+/// How often ways are held against each other anew. More: a pile that is hit hard takes longer;
+/// fewer: bodies stop that would have gone on.
+const ROUNDS: usize = 4;
+
+/// The share of its way below which a body that is in the way of what does not give way stays where
+/// it is. Larger: it stays though it could go on; smaller: that is known later.
+const SHORTEST: f64 = 1.0 / 64.0;
+
+/// What a body does within a step, and up to which share of it the body goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// The whole of it.
+    pub motion: Motion,
+    /// From 0 to 1.
+    pub until: f64,
+}
+
+impl Way {
+    /// All of a motion.
+    #[must_use]
+    pub fn whole(motion: Motion) -> Self {
+        Self { motion, until: 1.0 }
+    }
+
+    /// Whether it leads anywhere.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.motion.travel != DVec3::ZERO || self.motion.turn != DVec3::ZERO
+    }
+
+    /// Whether the body stops before its end.
+    #[must_use]
+    pub fn is_shortened(&self) -> bool {
+        self.until < 1.0 && self.moves()
+    }
+
+    /// The motion as far as the body goes.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let Motion { turn, travel, .. } = self.motion;
+        Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
+    }
+}
+
+/// Shortens ways until nobody meets anybody on them.
+///
+/// `pairs` are those that may meet, and all their bodies have ways. `gives_way` says whether a body
+/// may be held back; of two that may not, neither is, and what such a body runs into where it
+/// already stands still is run into. `meeting` says at which share of two motions their bodies meet,
+/// from 0 to 1, or are as near as they are let; `None` where they do not.
+pub fn shorten<B: Copy + Ord>(
+    ways: &mut BTreeMap<B, Way>,
+    pairs: &[[B; 2]],
+    gives_way: impl Fn(B) -> bool,
+    meeting: impl Fn([B; 2], [Motion; 2]) -> Option<f64>,
+) {
+    let mut settling = Settling { ways, groups: Groups::default() };
+    let mut due: Vec<[B; 2]> = pairs.to_vec();
+    for _ in 0..=ROUNDS {
+        let before = settling.ways.clone();
+        for &pair in &due {
+            let Some(time) = meeting(pair, pair.map(|body| before[&body].motion())) else {
+                continue;
+            };
+            let held = pair.into_iter().filter(|&body| gives_way(body));
+            for body in held.clone() {
+                settling.hold(body, time * before[&body].until);
+            }
+            if held.count() == 2 {
+                settling.groups.join(pair);
+            }
+        }
+        due = settling.touched_since(&before, pairs);
+        if due.is_empty() {
+            return;
+        }
+    }
+    settling.settle(pairs, gives_way, meeting);
+}
+
+/// Ways that are being shortened.
+struct Settling<'a, B> {
+    ways: &'a mut BTreeMap<B, Way>,
+    groups: Groups<B>,
+}
+
+impl<B: Copy + Ord> Settling<'_, B> {
+    fn hold(&mut self, body: B, until: f64) {
+        if let Some(way) = self.ways.get_mut(&body) {
+            way.until = way.until.min(until);
+        }
+    }
+
+    /// Before what does not give way.
+    fn hold_shorter(&mut self, body: B) {
+        let half = 0.5 * self.ways[&body].until;
+        self.hold(body, if half < SHORTEST { 0.0 } else { half });
+    }
+
+    /// Pairs of which a way is another than it was.
+    fn touched_since(&self, before: &BTreeMap<B, Way>, pairs: &[[B; 2]]) -> Vec<[B; 2]> {
+        let is_other = |body: &B| self.ways[body].until != before[body].until;
+        pairs.iter().copied().filter(|pair| pair.iter().any(is_other)).collect()
+    }
+
+    /// Stops whoever met at one time, up to which none of them has met another; and whoever meets
+    /// these then, with them.
+    fn settle(
+        &mut self,
+        pairs: &[[B; 2]],
+        gives_way: impl Fn(B) -> bool,
+        meeting: impl Fn([B; 2], [Motion; 2]) -> Option<f64>,
+    ) {
+        let mut due = pairs.to_vec();
+        while !due.is_empty() {
+            self.stop_together();
+            let before = self.ways.clone();
+            for pair in due {
+                if self.groups.of(pair[0]) == self.groups.of(pair[1]) {
+                    continue; // at one time, they are where nothing met anything
+                }
+                if meeting(pair, pair.map(|body| before[&body].motion())).is_none() {
+                    continue;
+                }
+                match pair.map(&gives_way) {
+                    [true, true] => self.groups.join(pair),
+                    [true, false] => self.hold_shorter(pair[0]),
+                    [false, true] => self.hold_shorter(pair[1]),
+                    [false, false] => {}
+                }
+            }
+            self.stop_together();
+            due = self.touched_since(&before, pairs);
+        }
+    }
+
+    fn stop_together(&mut self) {
+        let mut earliest: BTreeMap<B, f64> = BTreeMap::new();
+        for (&body, way) in &*self.ways {
+            let first = earliest.entry(self.groups.of(body)).or_insert(1.0);
+            *first = first.min(way.until);
+        }
+        for (&body, way) in &mut *self.ways {
+            way.until = earliest[&self.groups.of(body)];
+        }
+    }
+}
+
+/// Bodies that met each other, by the lowest of each group.
+struct Groups<B>(BTreeMap<B, B>);
+
+impl<B> Default for Groups<B> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<B: Copy + Ord> Groups<B> {
+    fn of(&self, body: B) -> B {
+        let mut at = body;
+        while let Some(&next) = self.0.get(&at) {
+            at = next;
+        }
+        at
+    }
+
+    fn join(&mut self, [a, b]: [B; 2]) {
+        let [a, b] = [self.of(a), self.of(b)];
+        if a != b {
+            self.0.insert(a.max(b), a.min(b));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::Pose;
+
+    /// Points on a line that stay 1 apart.
+    fn met(_: [u32; 2], [a, b]: [Motion; 2]) -> Option<f64> {
+        let (gap, closing) =
+            (b.start.translation.x - a.start.translation.x, a.travel.x - b.travel.x);
+        let time = (gap - 1.0) / closing;
+        (closing > 0.0 && time < 1.0).then_some(time.max(0.0))
+    }
+
+    fn ways(places: &[(f64, f64)]) -> BTreeMap<u32, Way> {
+        let way = |&(at, travel): &(f64, f64)| {
+            Way::whole(Motion::straight(Pose::at(DVec3::X * at), DVec3::X * travel))
+        };
+        (0..).zip(places.iter().map(way)).collect()
+    }
+
+    fn ends(ways: &BTreeMap<u32, Way>) -> Vec<f64> {
+        let end = |way: &Way| way.motion.start.translation.x + way.motion().travel.x;
+        ways.values().map(end).collect()
+    }
+
+    #[test]
+    fn who_meets_nobody_goes_all_the_way_and_who_gives_way_stops() {
+        let mut both = ways(&[(0.0, 4.0), (5.0, -4.0), (20.0, -1.0)]);
+        shorten(&mut both, &[[0, 1], [1, 2]], |_| true, met);
+        assert_eq!(ends(&both), [2.0, 3.0, 19.0]);
+        let mut one = ways(&[(0.0, 4.0), (5.0, -1.0)]);
+        shorten(&mut one, &[[0, 1]], |body| body == 0, met);
+        let stopped = ends(&one)[0];
+        assert!((1.0..=3.0).contains(&stopped), "{one:?}"); // before the other's end
+        assert!(ends(&one)[1] == 4.0 && !one[&1].is_shortened());
+        let mut none = ways(&[(0.0, 4.0), (5.0, -4.0)]);
+        shorten(&mut none, &[[0, 1]], |_| false, met);
+        assert_eq!(ends(&none), [4.0, 1.0]);
+    }
+
+    /// A row that runs into a wall stops one behind the other.
+    #[test]
+    fn a_row_stops_without_passing() {
+        let places: Vec<(f64, f64)> =
+            (0..12).map(|i| (1.5 * f64::from(i), if i < 11 { 9.0 } else { 0.0 })).collect();
+        let mut row = ways(&places);
+        let pairs: Vec<[u32; 2]> = (0..11).map(|i| [i, i + 1]).collect();
+        shorten(&mut row, &pairs, |body| body < 11, met);
+        let ends = ends(&row);
+        assert!(ends.windows(2).all(|w| w[1] - w[0] > 1.0 - 1e-9), "{ends:?}");
+    }
+}
