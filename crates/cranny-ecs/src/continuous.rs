@@ -1,15 +1,15 @@
-//! `Continuous`: bodies that pass through nothing, however fast they are. The solver sees to it;
-//! here it learns whose bodies they are.
+//! `Continuous`: bodies that pass through nothing, however fast they are. The solver sees to those
+//! that it moves, and learns here who they are; [`unsolved`] to those that follow their velocities.
+
+#[cfg(feature = "rapier")]
+mod solved;
+mod unsolved;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::lifecycle::Insert;
 use bevy_ecs::prelude::*;
 
-use crate::body::Body;
 use crate::clock::{CrannyStep, StepSystems};
-use crate::effects::EffectTable;
-use crate::response::ResponseSystems;
-use crate::solved::{RigidBodies, SolverBody};
+use crate::kinematics::KinematicsSystems;
 
 /// The systems of `Continuous`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,6 +18,10 @@ pub enum ContinuousSystems {
     Sync,
     /// [`HeldBack`].
     Report,
+    /// Where bodies are, before anything moves.
+    Start,
+    /// Kinematic bodies that no solver moves are held back.
+    Hold,
 }
 
 /// How many bodies would have passed through another one in the last step, and were held back.
@@ -29,60 +33,34 @@ pub struct HeldBack {
     pub total: u64,
 }
 
-/// Names bodies to the solver, and keeps [`HeldBack`].
+/// Names bodies to the solver, holds back those that no solver moves, and keeps [`HeldBack`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContinuousPlugin;
 
 impl Plugin for ContinuousPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<HeldBack>().add_observer(name_new);
+        app.init_resource::<HeldBack>().init_resource::<unsolved::Starts>();
         app.configure_sets(
             CrannyStep,
             (
-                ContinuousSystems::Sync.in_set(StepSystems::Sync).after(ResponseSystems::Sync),
+                ContinuousSystems::Sync.in_set(StepSystems::Sync),
                 ContinuousSystems::Report.in_set(StepSystems::Report),
+                ContinuousSystems::Hold.in_set(StepSystems::Advance).after(KinematicsSystems::Move),
             ),
         );
         app.add_systems(
             CrannyStep,
             (
-                name_bodies.in_set(ContinuousSystems::Sync),
-                count_held_back.in_set(ContinuousSystems::Report),
+                begin_count.in_set(ContinuousSystems::Report),
+                unsolved::note_starts.in_set(ContinuousSystems::Start),
+                unsolved::hold_back.in_set(ContinuousSystems::Hold),
             ),
         );
+        #[cfg(feature = "rapier")]
+        solved::add(app);
     }
 }
 
-/// Names a body that comes.
-fn name_new(
-    inserted: On<Insert<SolverBody>>,
-    known: Query<(&Body, &SolverBody)>,
-    effects: Res<EffectTable>,
-    mut bodies: ResMut<RigidBodies>,
-) {
-    if let Ok((body, solved)) = known.get(inserted.entity) {
-        let continuous = effects.is_continuous(body.id);
-        bodies.simulation_mut().set_continuous(solved.index, continuous);
-    }
-}
-
-/// Names all bodies again, where what is asked has changed.
-fn name_bodies(
-    effects: Res<EffectTable>,
-    known: Query<(&Body, &SolverBody)>,
-    mut bodies: ResMut<RigidBodies>,
-    mut revision: Local<Option<u64>>,
-) {
-    if revision.replace(effects.revision()) == Some(effects.revision()) {
-        return;
-    }
-    for (body, solved) in &known {
-        let continuous = effects.is_continuous(body.id);
-        bodies.simulation_mut().set_continuous(solved.index, continuous);
-    }
-}
-
-fn count_held_back(bodies: Res<RigidBodies>, mut held: ResMut<HeldBack>) {
-    held.bodies = bodies.simulation().held_back();
-    held.total += held.bodies as u64;
+fn begin_count(mut held: ResMut<HeldBack>) {
+    held.bodies = 0;
 }

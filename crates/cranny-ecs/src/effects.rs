@@ -232,7 +232,6 @@ impl EffectTable {
     }
 
     /// Whether the scene, a body or one of its pairs asks that the body passes through nothing.
-    #[cfg(feature = "rapier")]
     pub(crate) fn is_continuous(&self, body: BodyId) -> bool {
         let names = |effects: &[Effect]| effects.contains(&Effect::Continuous);
         let of_pair = |(pair, effects): (&Pair, &Vec<Effect>)| {

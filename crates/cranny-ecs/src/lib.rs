@@ -40,7 +40,6 @@ mod clock;
 mod collider;
 mod collision;
 mod contacts;
-#[cfg(feature = "rapier")]
 mod continuous;
 #[cfg(feature = "rapier")]
 mod deformation;
@@ -103,7 +102,6 @@ pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{
     BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame,
 };
-#[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
 pub use cranny_world::description::{Accuracy, Effect, StatedMass};
 pub use cranny_world::{BodyId, ContactFields, PairEstimate, Verdict};

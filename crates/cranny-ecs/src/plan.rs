@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::body::Bodies;
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
 use crate::contacts::ContactsSystems;
+use crate::continuous::ContinuousSystems;
 use crate::effects::{AskedBy, EffectKind, EffectTable};
 use crate::force_feedback::ForceFeedbackSystems;
 use crate::kinematics::KinematicsSystems;
@@ -141,17 +142,17 @@ fn known_sets() -> Vec<KnownSet> {
         "ForceFeedback": ForceFeedbackSystems::Feel;
         "Tracking": TrackingSystems::Simulate, TrackingSystems::Lead, TrackingSystems::Decide,
             TrackingSystems::Compare;
+        "Continuous": ContinuousSystems::Sync, ContinuousSystems::Report, ContinuousSystems::Start,
+            ContinuousSystems::Hold;
     };
     #[cfg(feature = "rapier")]
     {
-        use crate::continuous::ContinuousSystems;
         use crate::deformation::DeformationSystems;
         use crate::response::ResponseSystems;
         use crate::sound::SoundSystems;
         sets.extend(known! {
             "Response": ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Supply,
                 ResponseSystems::Tally, ResponseSystems::Advance;
-            "Continuous": ContinuousSystems::Sync, ContinuousSystems::Report;
             "Sound": SoundSystems::Report;
             "Deformation": DeformationSystems::Dent;
         });
@@ -336,7 +337,7 @@ fn effect_read_by(name: &str, table: &EffectTable, readers: &ContactReaders) -> 
         EffectKind::Trigger => "CollisionStart, CollisionEnd and TouchingBodies",
         EffectKind::Proximity => "ProximityReport",
         EffectKind::Response => "the solver",
-        EffectKind::Continuous => "the solver",
+        EffectKind::Continuous => "the solver, kinematic bodies and HeldBack",
         EffectKind::Penetration => "PenetrationReport",
         EffectKind::Sound => "SoundEvent and OngoingSounds",
         EffectKind::Deformation => "Dented and the body's mesh",

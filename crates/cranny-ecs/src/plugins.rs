@@ -15,6 +15,7 @@ use cranny_world::description::{Accuracy, BodyDescription, BodyKind, Effect, Sce
 use crate::admission::{AdmissionPlugin, admit_bodies};
 use crate::clock::{ClockPlugin, CoreSystems, CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::contacts::ContactsPlugin;
+use crate::continuous::ContinuousPlugin;
 use crate::detection::DetectionPlugin;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError, hand_on_failure};
@@ -365,9 +366,8 @@ impl PluginGroup for CrannyPlugins {
                 add_step: self.add_step,
             });
         }
-        #[cfg(feature = "rapier")]
         if effects.names(EffectKind::Continuous) {
-            group = group.add(crate::continuous::ContinuousPlugin);
+            group = group.add(ContinuousPlugin);
         }
         #[cfg(feature = "rapier")]
         if effects.names(EffectKind::Sound) {
@@ -403,7 +403,7 @@ impl PluginGroup for CrannyPlugins {
 
 /// Fails if an effect is named and another one is not on which it works.
 fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> {
-    let of_response = [EffectKind::Continuous, EffectKind::Sound, EffectKind::Deformation];
+    let of_response = [EffectKind::Sound, EffectKind::Deformation];
     let of_response = of_response.map(|kind| (kind, EffectKind::Response));
     let needing = of_response.into_iter().chain([(EffectKind::Tracking, EffectKind::Trigger)]);
     let lacks = |&(kind, needs): &(EffectKind, EffectKind)| named(kind) && !named(needs);

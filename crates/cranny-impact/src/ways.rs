@@ -57,9 +57,9 @@ impl Way {
 /// Shortens ways until nobody meets anybody on them.
 ///
 /// `pairs` are those that may meet, and all their bodies have ways. `gives_way` says whether a body
-/// may be held back; of two that may not, neither is, and what such a body runs into where it
-/// already stands still is run into. `meeting` says at which share of two motions their bodies meet,
-/// from 0 to 1, or are as near as they are let; `None` where they do not.
+/// may be held back; of two that may not, neither is, and what stands still where such a body comes
+/// is run into. `meeting` says at which share of two motions, from 0 to 1, their bodies meet or are
+/// as near as they are let; `None` where they do not.
 pub fn shorten<B: Copy + Ord>(
     ways: &mut BTreeMap<B, Way>,
     pairs: &[[B; 2]],

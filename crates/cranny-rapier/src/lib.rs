@@ -82,7 +82,7 @@ pub mod snapshot;
 pub use carried::{CARRIED_WITHIN, PairCounts};
 pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 pub use cranny_narrow_phase::Normals;
-pub use detector::{Detector, UnknownDetector};
+pub use detector::{Detector, TREE_DEPTH, UnknownDetector};
 pub use dispatcher::{Dispatcher, dispatcher};
 pub use joint::{APPROACH, JointIndex, JointSpec, Motor};
 pub use log::{AnswerLog, LoggedAnswer};

@@ -30,6 +30,9 @@ pub enum ShapeError {
     /// parry's convex decomposition gave up, with a panic.
     #[error("parry cannot decompose the mesh into convex pieces: it panics on it")]
     Decomposition,
+    /// parry finds no convex hull.
+    #[error("parry finds no convex hull of the mesh: it is flat, or a line")]
+    Hull,
     /// A crease angle that is none.
     #[error(transparent)]
     Crease(#[from] CreaseAngleError),

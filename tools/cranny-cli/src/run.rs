@@ -107,6 +107,9 @@ pub(crate) fn detector(argument: DetectorArg) -> Detector {
         DetectorArg::RapierTrimesh => Detector::RapierTrimesh,
         DetectorArg::RapierTrimeshFixed => Detector::RapierTrimeshFixed,
         DetectorArg::RapierDecomposition => Detector::RapierDecomposition,
+        DetectorArg::RapierBoxes => Detector::RapierBoxes,
+        DetectorArg::RapierHulls => Detector::RapierHulls,
+        DetectorArg::RapierTree => Detector::RapierTree,
     }
 }
 

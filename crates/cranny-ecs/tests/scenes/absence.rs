@@ -96,19 +96,16 @@ fn response_exists_where_it_is_named_and_only_there() {
     }
 }
 
-#[cfg(feature = "rapier")]
 #[test]
 fn continuous_exists_where_it_is_named_and_only_there() {
-    for effects in [&[Effect::Response, Effect::Continuous][..], &[Effect::Response], &[]] {
+    for effects in [&[Effect::TRIGGER, Effect::Continuous][..], &[Effect::Continuous], &[]] {
         let app = app(effects);
         let (app, named) = (app.app(), effects.contains(&Effect::Continuous));
+        assert_eq!(scheduled(app, ContinuousSystems::Hold.intern()), named);
         assert_eq!(scheduled(app, ContinuousSystems::Sync.intern()), named);
         assert_eq!(scheduled(app, ContinuousSystems::Report.intern()), named);
         assert_eq!(app.world().contains_resource::<HeldBack>(), named);
     }
-    let alone = SceneApp::new(&gate(&[Effect::Continuous]), &RunOptions::default());
-    let refused = alone.err().expect("nothing moves the bodies").to_string();
-    assert_eq!(refused, "Continuous needs Response: name Response too, or leave Continuous out");
 }
 
 #[test]
@@ -256,11 +253,18 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let of_detection =
-        [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK, TRACKING];
-    let of_response = [Effect::Response, Effect::Continuous, SOUND, DENTS];
-    let count = if cfg!(feature = "rapier") { 10 } else { 6 };
-    let all = [&of_detection[..], &of_response].concat();
+    let without_solver = [
+        Effect::TRIGGER,
+        PROXIMITY,
+        CONTACTS,
+        Effect::Penetration,
+        FEEDBACK,
+        TRACKING,
+        Effect::Continuous,
+    ];
+    let of_response = [Effect::Response, SOUND, DENTS];
+    let count = if cfg!(feature = "rapier") { 10 } else { 7 };
+    let all = [&without_solver[..], &of_response].concat();
     let all = &all[..count];
     // What works on what another effect does cannot be without it.
     let works = |effects: &[Effect]| {
@@ -278,7 +282,7 @@ fn one_effect_more_is_exactly_its_systems_more() {
         beside.map(move |without| (without, effect))
     });
     let cases = cases.filter(|(without, effect)| {
-        !without.contains(effect) && (count > 6 || !without.contains(&Effect::Response))
+        !without.contains(effect) && (count > 7 || !without.contains(&Effect::Response))
     });
     for (without, effect) in cases {
         let without = &without[..];

@@ -5,9 +5,13 @@ use std::sync::Arc;
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
+use cranny_primitives::{Ball, Primitive};
 use cranny_shapes::{Boxes, Hook, Torus};
 use cranny_world::Random;
-use cranny_world::description::{BodyDescription, BodyKind, Effect, SceneDescription};
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, PathEnd,
+    SceneDescription,
+};
 
 use crate::build::{cube, scene};
 
@@ -17,7 +21,19 @@ const THROWN: u32 = 24;
 /// A plate across x, 0.02 thick, with a rib on each side, and hooks and rings that fly at it from 3
 /// before it, tumbling, at 100 to 400 a second: they are side by side and meet nothing else.
 fn throws(wall: &[Effect], thrown: &[Effect]) -> SceneDescription {
-    let mut random = Random::new(7);
+    let kind = BodyKind::Dynamic;
+    let bodies = at_a_wall(7, kind, wall, thrown);
+    let duration = 12.0 / 64.0;
+    SceneDescription { gravity: DVec3::ZERO, duration, ..scene(bodies, &[Effect::Response]) }
+}
+
+fn at_a_wall(
+    seed: u64,
+    kind: BodyKind,
+    wall: &[Effect],
+    thrown: &[Effect],
+) -> Vec<BodyDescription> {
+    let mut random = Random::new(seed);
     let plate = [[-0.01, -40.0, -9.0], [0.01, 40.0, 9.0]];
     let ribs = [[[-0.2, -40.0, 0.0], [0.0, 40.0, 0.02]], [[0.0, -40.0, 0.5], [0.2, 40.0, 0.52]]];
     let plate = Boxes { add: [&[plate], &ribs[..]].concat(), cut: Vec::new() };
@@ -34,14 +50,13 @@ fn throws(wall: &[Effect], thrown: &[Effect]) -> SceneDescription {
             pose: Pose { rotation: random.rotation(), translation: place },
             angular_velocity: 30.0 * random.in_ball(),
             effects: thrown.to_vec(),
-            ..cube(&format!("thrown_{i}"), BodyKind::Dynamic, place, DVec3::X * speed)
+            ..cube(&format!("thrown_{i}"), kind, place, DVec3::X * speed)
         }
     };
     let mut bodies: Vec<_> = (0..THROWN).map(body).collect();
     let still = cube("wall", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
     bodies.push(BodyDescription { collision: plate, effects: wall.to_vec(), ..still });
-    let duration = 12.0 / 64.0;
-    SceneDescription { gravity: DVec3::ZERO, duration, ..scene(bodies, &[Effect::Response]) }
+    bodies
 }
 
 /// How many are behind the wall at the end, and how often one was held back.
@@ -62,6 +77,89 @@ fn of_a_scene_s_fast_bodies_none_passes_a_thin_wall_with_continuous_and_many_do_
         let (with, held) = passed(&throws(wall, thrown));
         assert_eq!(with, 0);
         assert!(held >= THROWN.into(), "{held}");
+    }
+}
+
+/// Without a solver: kinematic hooks, rings and balls that follow their velocities.
+fn led(seed: u64, effects: &[Effect]) -> SceneDescription {
+    let mut bodies = at_a_wall(seed, BodyKind::Kinematic, &[], effects);
+    for ball in bodies.iter_mut().take(THROWN as usize).skip(2).step_by(3) {
+        ball.shape = Some(Primitive::from(Ball { center: DVec3::ZERO, radius: 0.05 }).into());
+    }
+    SceneDescription { duration: 12.0 / 64.0, ..scene(bodies, &[]) }
+}
+
+#[test]
+fn of_a_thousand_that_are_led_at_a_wall_none_passes_it_with_continuous_and_many_do_without() {
+    let [mut with, mut without, mut back] = [0; 3];
+    for seed in 0..42 {
+        let (passed_it, held) = passed(&led(seed, &[Effect::Continuous]));
+        with += passed_it;
+        back += usize::from(held >= THROWN.into());
+        let (passed_it, held) = passed(&led(seed, &[]));
+        without += passed_it;
+        assert_eq!(held, 0);
+    }
+    assert_eq!((with, back), (0, 42));
+    assert_eq!(without, 42 * THROWN as usize, "nothing else stops them");
+}
+
+/// A body is led through a wall along a path, slowly: it stands before the wall as long as the path
+/// is beyond, and goes on when the path comes back.
+#[test]
+fn what_is_led_through_a_wall_waits_before_it() {
+    let keyframe = |time: f64, x: f64| Keyframe { time, pose: Pose::at(DVec3::X * x) };
+    let path = KeyframedPath::new(
+        vec![keyframe(0.0, -2.0), keyframe(1.0, 2.0), keyframe(2.0, -2.0)],
+        Interpolation::Linear,
+        PathEnd::Hold,
+    );
+    let wall = cube("wall", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+    let guest = BodyDescription {
+        path: Some(Arc::new(path.unwrap())),
+        ..cube("guest", BodyKind::Kinematic, DVec3::X * -2.0, DVec3::ZERO)
+    };
+    for (sensor, stops) in [(false, true), (true, false)] {
+        let wall = BodyDescription { sensor, ..wall.clone() };
+        let effects = [Effect::Continuous, Effect::TRIGGER];
+        let bodies = vec![wall, guest.clone()];
+        let scene = SceneDescription { duration: 2.0, ..scene(bodies, &effects) };
+        let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+        let (mut farthest, mut waiting) = (f32::MIN, 0);
+        while app.step().unwrap() {
+            let world = app.app_mut().world_mut();
+            let held = world.resource::<HeldBack>().bodies;
+            let mut places = world.query::<(&Body, &Transform)>();
+            let at = places.iter(world).find(|(body, _)| body.id.0 == 1).unwrap().1.translation.x;
+            farthest = farthest.max(at);
+            waiting += usize::from(held == 1);
+        }
+        assert_eq!((farthest < -1.0, waiting > 60), (stops, stops), "{farthest}, {waiting}");
+        assert!(!stops || farthest > -1.001, "{farthest}: it stops where it meets the wall");
+    }
+}
+
+/// Two that are led at each other stop between; one that is not named runs into nobody either.
+#[test]
+fn who_meets_who_is_named_stops() {
+    for named in [0, 1] {
+        let mut bodies: Vec<_> = [-1.0, 1.0]
+            .map(|side| {
+                let at = DVec3::X * (5.0 * side);
+                cube(&format!("at_{side}"), BodyKind::Kinematic, at, DVec3::X * (-320.0 * side))
+            })
+            .into();
+        bodies[named].effects = vec![Effect::Continuous];
+        let scene = SceneDescription { duration: 3.0 / 64.0, ..scene(bodies, &[]) };
+        let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+        while app.step().unwrap() {}
+        let world = app.app_mut().world_mut();
+        let mut places = world.query::<(&Body, &Transform)>();
+        let mut x: Vec<_> =
+            places.iter(world).map(|(body, place)| (body.id.0, place.translation.x)).collect();
+        x.sort_by_key(|(id, _)| *id);
+        let gap = x[1].1 - x[0].1;
+        assert!(gap > 1.0 && gap < 1.001, "{x:?}");
     }
 }
 

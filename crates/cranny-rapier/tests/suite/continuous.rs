@@ -7,7 +7,7 @@ use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, JointSpec, MassSource, Motor, Resistance, Simulation,
     SimulationOptions, StatedMass,
 };
-use cranny_shapes::{Cuboid, Hook, Torus};
+use cranny_shapes::{Boxes, Cuboid, Hook, Torus};
 use cranny_testkit::Rng;
 
 use crate::world::{Apart, cuboid, spec};
@@ -125,7 +125,57 @@ fn nothing_that_is_named_passes_or_hangs_in_a_thousand_throws() {
 #[test]
 fn much_passes_that_is_not_named() {
     let found = throws(1_000, false);
-    assert!(found.behind > 400, "{found:?}");
+    assert!(found.behind > 400, "{found:?}"); // 470
+}
+
+/// A hollow cube, 4 wide outside, with walls so thick and ribs inside.
+fn hollow(thick: f64) -> Model {
+    let (outer, inner) = (2.0, 2.0 - thick);
+    let boxes = Boxes {
+        add: vec![[[-outer; 3], [outer; 3]]],
+        cut: vec![
+            [[-inner, -inner, -inner], [-0.5, inner, inner]],
+            [[-0.5, -inner, -1.0], [0.5, inner, inner]],
+            [[0.5, -inner, -inner], [inner, inner, inner]],
+        ],
+    };
+    built(boxes.build().unwrap())
+}
+
+/// Thrown inside the hollow cube, how many are outside in the end.
+fn escapes(count: usize, continuous: bool) -> usize {
+    let walls = [0.01, 0.03].map(hollow);
+    let ring =
+        Torus { major_radius: 0.2, minor_radius: 0.04, major_segments: 16, minor_segments: 6 };
+    let bodies = [ring.build(), Cuboid { size: [0.5, 0.05, 0.05] }.build()];
+    let bodies = bodies.map(|mesh| built(mesh.unwrap()));
+    let mut rng = Rng::new(2);
+    let mut outside = 0;
+    for i in 0..count {
+        let (wall, model) = (&walls[i / 2 % 2], &bodies[i % 2]);
+        let mut simulation = world();
+        simulation.insert(&spec(wall, BodyKind::Fixed, DVec3::ZERO)).expect("a wall");
+        let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| size * rng.unit()));
+        let at = DVec3::Z + vector(0.3);
+        let thrown = BodySpec {
+            linear_velocity: vector(200.0),
+            angular_velocity: vector(30.0),
+            ..spec(model, BodyKind::Dynamic, at)
+        };
+        let body = simulation.insert(&thrown).expect("a body");
+        simulation.set_continuous(body, continuous);
+        (0..30).for_each(|_| simulation.step());
+        let at = simulation.pose(body).translation;
+        outside += usize::from(at.abs().max_element() > 2.0);
+    }
+    outside
+}
+
+#[test]
+fn nothing_that_is_named_leaves_a_hollow() {
+    assert_eq!(escapes(200, true), 0);
+    let without = escapes(200, false);
+    assert!(without > 150, "{without}"); // 179
 }
 
 fn flying(model: &Model, from: DVec3, velocity: DVec3) -> BodySpec {

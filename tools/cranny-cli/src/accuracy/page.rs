@@ -59,11 +59,16 @@ impl PageSubject {
     ) -> Result<(Motion, Self), Failure> {
         let name = scene.path.file_name().unwrap_or(scene.path.as_os_str()).to_string_lossy();
         let (motion, picture) = Motion::of_scene(scene, args.duration, &args.out.join(PICTURE))?;
-        let contests: Vec<(Detector, bool)> = match (responds(scene), args.no_peers) {
-            (false, _) => Vec::new(),
-            (true, true) => vec![(Detector::Cranny, true)],
-            (true, false) => Detector::ALL.map(|detector| (detector, true)).to_vec(),
+        let detectors: &[Detector] = match (responds(scene), args.no_peers) {
+            (false, _) => &[],
+            (true, true) => &[Detector::Cranny],
+            (true, false) => &Detector::ALL,
         };
+        // Without the exact shapes no motion is compared, and without levels none is wanted.
+        let levels: &[Detector] =
+            if detectors.is_empty() || args.levels.0.is_empty() { &[] } else { &Detector::LEVELS };
+        let contests = detectors.iter().chain(levels).map(|&detector| (detector, true));
+        let contests: Vec<(Detector, bool)> = contests.collect();
         let instead =
             InsteadArgs { duration: args.duration, dt: None, seed: None, set: SetArgs::default() };
         let shown = Self {
@@ -199,7 +204,9 @@ fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
     page.heading("What it does to the motion");
     page.paragraph(
         "The whole scene under each detector, with the same solver: what a step takes, and what \
-         becomes of the bodies. Depths are exact answers at the poses that each detector led to.",
+         becomes of the bodies. Three rows give the solver what a level knows in place of the meshes: \
+         their boxes, their hulls, the boxes of their trees. Depths are exact answers at the poses \
+         that each detector led to.",
     );
     if let Some(svg) = compare::chart::outcome(runs)? {
         page.drawing(

@@ -303,6 +303,12 @@ pub(crate) enum DetectorArg {
     RapierTrimeshFixed,
     /// Convex pieces by rapier's approximate decomposition
     RapierDecomposition,
+    /// The box of each mesh: what the level boxes knows of it
+    RapierBoxes,
+    /// The convex hull of each mesh: what the level hulls knows
+    RapierHulls,
+    /// The boxes of each mesh's tree, opened six times: what the level tree:6 knows
+    RapierTree,
 }
 
 /// A number of threads.

@@ -1,0 +1,168 @@
+//! Kinematic bodies that follow their velocities: once they have moved, the way of each is held
+//! against those of the bodies around it, and whoever would have met something stays just before.
+//!
+//! There is no solver that pushes them back, so slow ways count as fast ones do: a body that is led
+//! into a wall stands before it until it is led elsewhere, and does not slide along.
+
+use std::collections::BTreeMap;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_broad_phase::BoxIndex;
+use cranny_exact::{Aabb, Pose};
+use cranny_impact::{Motion, Way, shorten};
+use cranny_narrow_phase::{Demand, PairMemory, Query as PairQuery};
+use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
+use cranny_world::{BodyId, world_box};
+
+use super::HeldBack;
+use crate::body::{Bodies, Body, pose_of, transform_of};
+use crate::effects::EffectTable;
+use crate::kinematics::Kinematic;
+use crate::sweep::{MovingShape, Swept, first_meeting};
+
+/// How near a body is let to what it would meet, as a part of the smaller one's size. Larger: it
+/// stops visibly short; smaller: single precision does not tell the gap from none.
+const NEAR: f64 = 1e-5;
+
+/// Where bodies are before anything moves, in each step.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Starts(BTreeMap<BodyId, Pose>);
+
+/// Nothing, where nobody is named or nobody moves by velocity alone.
+pub(super) fn note_starts(
+    bodies: Query<(&Body, &Transform)>,
+    moving: Query<(), With<Kinematic>>,
+    effects: Res<EffectTable>,
+    mut starts: ResMut<Starts>,
+) {
+    starts.0.clear();
+    let named = bodies.iter().any(|(body, _)| effects.is_continuous(body.id));
+    if named && !moving.is_empty() {
+        starts.0.extend(bodies.iter().map(|(body, transform)| (body.id, pose_of(transform))));
+    }
+}
+
+/// Puts bodies back to where their ways end.
+pub(super) fn hold_back(
+    mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>)>,
+    starts: Res<Starts>,
+    records: Res<Bodies>,
+    effects: Res<EffectTable>,
+    mut held: ResMut<HeldBack>,
+) {
+    if starts.0.is_empty() {
+        return;
+    }
+    let mut traffic = Traffic { records: &records, giving: BTreeMap::new() };
+    let mut ways = BTreeMap::new();
+    for (body, transform, is_kinematic) in &bodies {
+        let (Some(record), Some(&start)) = (records.get(body.id), starts.0.get(&body.id)) else {
+            continue;
+        };
+        let motion = Motion::between(start, pose_of(transform), record.shape.center());
+        let way = Way::whole(motion);
+        traffic.giving.insert(body.id, is_kinematic && way.moves());
+        ways.insert(body.id, way);
+    }
+    let pairs = traffic.pairs(&ways, &effects);
+    let gives_way = |body: BodyId| traffic.giving[&body];
+    shorten(&mut ways, &pairs, gives_way, |pair, motions| traffic.meeting(pair, motions));
+    for (body, mut transform, _) in &mut bodies {
+        let Some(way) = ways.get(&body.id).filter(|way| way.is_shortened()) else { continue };
+        let scale = transform.scale;
+        *transform = Transform { scale, ..transform_of(&way.motion.pose_at(way.until)) };
+        held.bodies += 1;
+        held.total += 1;
+    }
+}
+
+/// Bodies on their ways.
+struct Traffic<'a> {
+    records: &'a Bodies,
+    /// Whether each may be held back.
+    giving: BTreeMap<BodyId, bool>,
+}
+
+impl<'a> Traffic<'a> {
+    fn shape(&self, body: BodyId) -> &'a BodyShape {
+        &self.records.get(body).expect("a way is of a body that is present").shape
+    }
+
+    /// Pairs that may meet on their ways: one of them is named, and one gives way.
+    fn pairs(&self, ways: &BTreeMap<BodyId, Way>, effects: &EffectTable) -> Vec<[BodyId; 2]> {
+        let bodies: Vec<BodyId> = ways.keys().copied().collect();
+        let boxes: Vec<Aabb> =
+            ways.iter().map(|(&body, way)| swept_box(self.shape(body), way)).collect();
+        let index = BoxIndex::of(boxes.iter().copied());
+        let mut pairs = Vec::new();
+        for (&body, around) in bodies.iter().zip(&boxes).filter(|(body, _)| self.giving[body]) {
+            let near = index.reached(|held| held.overlaps(around)).map(|number| bodies[number]);
+            let met = near.filter(|&other| {
+                let is_first = !self.giving[&other] || body < other;
+                other != body && is_first && may_meet([body, other], effects)
+            });
+            pairs.extend(met.map(|other| [body.min(other), body.max(other)]));
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// At which share of the motions two bodies come as near each other as they are let. `None`
+    /// also where they touch or overlap at the beginning, and for numbers that are refused: those
+    /// are reported by whoever detects the pair.
+    fn meeting(&self, pair: [BodyId; 2], motions: [Motion; 2]) -> Option<f64> {
+        let shapes = pair.map(|body| self.shape(body));
+        let [a, b] = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
+        let time = match first_meeting(a, b).ok()? {
+            Swept::Free | Swept::Initially => return None,
+            Swept::Hit { time, .. } => time,
+            Swept::Open { free_before } => free_before,
+        };
+        let sizes = shapes.map(size);
+        let travel = motions[0].travel.distance(motions[1].travel)
+            + motions[0].turn.length() * sizes[0]
+            + motions[1].turn.length() * sizes[1];
+        Some(free_until([a, b], time, NEAR * sizes[0].min(sizes[1]) / travel))
+    }
+}
+
+/// A time before the given one, by `back` or more, at which bodies are apart in `Transform`'s
+/// numbers; 0 where there is none.
+fn free_until(ends: [MovingShape<'_>; 2], time: f64, mut back: f64) -> f64 {
+    let verdict = PairQuery::of(Demand::Intersects);
+    while back < time {
+        let [a, b] = ends.map(|end| PlacedShape {
+            shape: end.shape,
+            pose: pose_of(&transform_of(&end.motion.pose_at(time - back))),
+        });
+        let answer = query_shapes(a, b, &verdict, &mut PairMemory::default());
+        if answer.is_ok_and(|answer| !answer.touches()) {
+            return time - back;
+        }
+        back *= 2.0;
+    }
+    0.0
+}
+
+/// Whether one of two bodies is named, and neither is there to be noticed only.
+fn may_meet([a, b]: [BodyId; 2], effects: &EffectTable) -> bool {
+    let is_sensor = |body| effects.body(body).is_some_and(|asked| asked.sensor);
+    let named = effects.is_continuous(a) || effects.is_continuous(b);
+    named && !is_sensor(a) && !is_sensor(b) && effects.may_meet(a, b)
+}
+
+/// A box that holds a body all along its way.
+fn swept_box(shape: &BodyShape, way: &Way) -> Aabb {
+    if !way.moves() {
+        return world_box(shape, &way.motion.start, 0.0);
+    }
+    let pivot = way.motion.pivot;
+    let center = |t| way.motion.pose_at(t).world_from_body().apply(pivot);
+    Aabb::of_points([0.0, 1.0].map(center)).grown(size(shape) * (1.0 + f64::EPSILON.sqrt()))
+}
+
+/// The radius of a ball about its centre that holds a shape; infinite for a half-space.
+fn size(shape: &BodyShape) -> f64 {
+    shape.radius() + shape.center().length()
+}
