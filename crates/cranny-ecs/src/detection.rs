@@ -225,7 +225,9 @@ fn detect_pairs(
 ) {
     let start = Instant::now();
     if let Some(readers) = readers.filter(|readers| readers.is_changed()) {
-        detector.world().set_contact_fields(readers.fields());
+        let world = detector.world();
+        world.set_contact_fields(readers.fields());
+        world.set_contact_fields_of_pairs(readers.fields_of_pairs());
     }
     detected.report = failure.note(detector.world().step());
     let spent = 1e3 * start.elapsed().as_secs_f64();

@@ -8,8 +8,8 @@ use bevy_ecs::schedule::graph::Direction;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, InternedSystemSet, NodeId, ScheduleLabel, Schedules, SystemKey,
 };
-use cranny_world::BodyId;
 use cranny_world::description::Normals;
+use cranny_world::{BodyId, ContactFields};
 use serde::Serialize;
 
 use crate::body::Bodies;
@@ -461,8 +461,9 @@ fn group_of(
             continue;
         }
         if kind == EffectKind::Contacts {
-            fields.extend(readers.fields().names());
-            reads.extend(read_by(readers));
+            let all = readers.iter_of_pair(a, b);
+            fields.extend(all.fold(ContactFields::NONE, |all, (_, read)| all.join(read)).names());
+            reads.extend(readers.iter_of_pair(a, b).map(|(name, read)| told(name, read.names())));
         } else {
             fields.extend(fields_of(kind));
             reads.push(told(kind.name(), fields_of(kind).iter().copied()));

@@ -5,6 +5,7 @@
 //! the solver's poses become the `Transform`s. [`solved`](crate::solved) says how bodies get into
 //! it.
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -23,7 +24,7 @@ use crate::body::{Bodies, Body, narrowed, transform_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::QueryFrame;
 use crate::detection::{DetectionSystems, Detector};
-use crate::effects::{EffectKind, EffectTable};
+use crate::effects::{EffectKind, EffectTable, ordered};
 use crate::error::{Failure, SceneAppError};
 use crate::hooks::CollisionHooks;
 use crate::paths::{FollowsMotorPath, lead_motors};
@@ -57,6 +58,8 @@ pub struct Gravity(pub DVec3);
 #[derive(Debug, Default)]
 pub(crate) struct Reading {
     fields: ContactFields,
+    /// Of single pairs, besides.
+    of_pairs: BTreeMap<(BodyId, BodyId), ContactFields>,
     /// By the solver's numbers.
     pub(crate) ids: Vec<Option<BodyId>>,
     pub(crate) effects: EffectTable,
@@ -66,8 +69,11 @@ impl Reading {
     fn of(&self, a: BodyIndex, b: BodyIndex) -> Fields {
         // Bodies that were put into the solver's world by hand are nobody's.
         let id = |index: BodyIndex| self.ids.get(index.0 as usize).copied().flatten();
-        let margin = id(a).zip(id(b)).and_then(|(a, b)| self.effects.contact_margin(a, b));
-        margin.map_or(Fields::NONE, |margin| self.fields.within(margin))
+        let Some((a, b)) = id(a).zip(id(b)) else { return Fields::NONE };
+        let of_pair = self.of_pairs.get(&ordered(a, b)).copied();
+        let fields = of_pair.map_or(self.fields, |fields| fields.join(self.fields));
+        let margin = self.effects.contact_margin(a, b);
+        margin.map_or(Fields::NONE, |margin| fields.within(margin))
     }
 }
 
@@ -209,7 +215,8 @@ impl Stepping<'_> {
         let (bodies, times) = (&mut *self.bodies, &mut *self.times);
         let changed = self.readers.as_ref().filter(|readers| readers.is_changed());
         if let Some(readers) = changed.filter(|_| bodies.hands_over()) {
-            bodies.reading().fields = readers.fields();
+            let mut reading = bodies.reading();
+            (reading.fields, reading.of_pairs) = (readers.fields(), readers.fields_of_pairs());
         }
         let start = Instant::now();
         if let Err(why) = stepped(bodies, &self.effects, hooks) {

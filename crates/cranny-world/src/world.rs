@@ -39,6 +39,8 @@ pub struct World {
     scene: Wish,
     /// What of the effect `Contacts` somebody reads.
     read: ContactFields,
+    /// Of single pairs, besides.
+    read_of_pairs: BTreeMap<Pair, ContactFields>,
     pair_wishes: BTreeMap<Pair, Wish>,
     /// Level of what states none.
     accuracy: Accuracy,
@@ -135,6 +137,7 @@ impl World {
         let others = |pair: &Pair| pair.0 != body && pair.1 != body;
         self.excluded.retain(others);
         self.pair_levels.retain(|pair, _| others(pair));
+        self.read_of_pairs.retain(|pair, _| others(pair));
         self.supplied.retain(|pair, _| others(pair));
         self.depths_at_most.retain(|pair, _| others(pair));
         self.pressed.retain(others);
@@ -452,7 +455,7 @@ impl World {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
             let bodies @ [body_a, body_b] = [self.known(a)?, self.known(b)?];
             let wish = self.wish(pair, body_a, body_b);
-            let fields = wish.fields(self.read);
+            let fields = wish.fields(self.read_of(pair));
             if fields.demand() == Demand::None {
                 memories.remove(&pair);
                 continue;

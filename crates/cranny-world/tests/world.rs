@@ -302,6 +302,29 @@ fn of_contacts_only_what_is_read_is_answered() {
 }
 
 #[test]
+fn what_one_pair_is_read_for_is_not_computed_of_others() {
+    let (mut world, ids) = row(&[Effect::Contacts { margin: 0.5 }], &[0.0, 1.25, 2.5]);
+    let regions = ContactFields { regions: true, ..ContactFields::NONE };
+    let mut with_regions = |read: ContactFields, of_pairs: &[(BodyId, BodyId)]| {
+        world.set_contact_fields(read);
+        let of_pairs = of_pairs.iter().map(|&pair| (pair, regions));
+        world.set_contact_fields_of_pairs(of_pairs.collect());
+        let report = step(&mut world);
+        let found = report.answers.iter().filter(|pair| !pair.answer.regions.is_empty());
+        (found.map(|pair| (pair.a, pair.b)).collect::<Vec<_>>(), report.answers.len())
+    };
+    let [first, second] = [(ids[0], ids[1]), (ids[1], ids[2])];
+    let depth = ContactFields { depth: Some(0.0), ..ContactFields::NONE };
+    assert_eq!(with_regions(ContactFields::NONE, &[second]), (vec![second], 1));
+    assert_eq!(with_regions(depth, &[first]), (vec![first], 2));
+    assert_eq!(with_regions(depth, &[]), (vec![], 2));
+    assert_eq!(with_regions(regions, &[]), (vec![first, second], 2));
+    with_regions(depth, &[first, second]);
+    world.remove(ids[1]).unwrap();
+    world.validate().unwrap();
+}
+
+#[test]
 fn a_pair_is_not_queried_for_a_depth_that_is_known_to_be_no_deeper() {
     let deeper_than = |depth| ContactFields { depth: Some(depth), ..ContactFields::NONE };
     let (mut world, ids) = row(&[Effect::Contacts { margin: 0.5 }], &[0.0, 10.0]);

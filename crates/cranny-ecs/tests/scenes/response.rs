@@ -357,6 +357,35 @@ fn who_reads_more_is_told_more_from_the_next_step_on() {
     assert_eq!(app.finish().unwrap().state_hash, unread.finish().unwrap().state_hash);
 }
 
+/// Regions of one pair are read, of the others a depth: with the solver and without.
+#[test]
+fn a_reader_of_one_pair_costs_the_others_nothing() {
+    for effects in [&[Effect::Response, Effect::Contacts { margin: 0.1 }][..], &CONTACTS_ALONE] {
+        let stacked = |i: usize| {
+            let kind = if i == 0 { BodyKind::Fixed } else { BodyKind::Dynamic };
+            cube(&format!("cube_{i}"), kind, DVec3::Z * (1.05 * i as f64), DVec3::ZERO)
+        };
+        let description = scene((0..3).map(stacked).collect(), effects);
+        let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+        let regions = ContactFields { regions: true, ..ContactFields::NONE };
+        let depth = ContactFields { depth: Some(0.0), ..ContactFields::NONE };
+        let pair = [BodyId(2), BodyId(1)];
+        let mut found = |of_pair: ContactFields| {
+            let mut readers = app.app_mut().world_mut().resource_mut::<ContactReaders>();
+            readers.set(ContactReaders::PROGRAM, depth);
+            readers.set_of_pair("the test", (pair[0], pair[1]), of_pair);
+            app.step().unwrap();
+            let report = app.app().world().resource::<ContactReport>();
+            let with_regions = report.pairs.iter().filter(|p| !p.answer.regions.is_empty());
+            with_regions.map(|pair| (pair.a.0, pair.b.0)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(regions), [(1, 2)]);
+        assert_eq!(found(ContactFields::NONE), []);
+    }
+}
+
+const CONTACTS_ALONE: [Effect; 1] = [Effect::Contacts { margin: 0.1 }];
+
 #[test]
 fn more_layers_than_bits_are_refused() {
     let mut description = drop(&[Effect::Response]);

@@ -1,6 +1,8 @@
 //! What is asked about bodies and pairs: effects, margins, demands. CONTRIBUTING, 'An effect',
 //! says how to add one.
 
+use std::collections::BTreeMap;
+
 use cranny_broad_phase::{BroadPhase, ProxyId};
 use cranny_narrow_phase::{Demand, Fields};
 
@@ -159,6 +161,17 @@ impl World {
         self.read = read;
     }
 
+    /// Says what somebody reads of single pairs besides from now on, in place of what was read of
+    /// any before. The lower id comes first.
+    pub fn set_contact_fields_of_pairs(&mut self, read: BTreeMap<(BodyId, BodyId), ContactFields>) {
+        self.read_of_pairs = read;
+    }
+
+    /// What is read of a pair.
+    pub(super) fn read_of(&self, pair: Pair) -> ContactFields {
+        self.read_of_pairs.get(&pair).map_or(self.read, |&besides| besides.join(self.read))
+    }
+
     /// What is asked of the narrow phase about a pair: the least that tells the fields which are
     /// read, joined over the scene's, both bodies' and the pair's effects; [`Demand::None`] where
     /// the pair
@@ -177,7 +190,7 @@ impl World {
     }
 
     pub(super) fn fields(&self, pair: Pair, a: &Body, b: &Body) -> Fields {
-        self.wish(pair, a, b).fields(self.read)
+        self.wish(pair, a, b).fields(self.read_of(pair))
     }
 
     /// What the scene's, both bodies' and the pair's effects need together: nothing where the two
