@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::Resource;
 use cranny_world::{BodyId, ContactFields};
 
-use crate::effects::ordered;
+use crate::effects::{Pair, ordered};
 
 /// Readers of pairs that are asked for `Contacts`, by name; there is one resource where a scene
 /// names the effect.
@@ -19,9 +19,6 @@ pub struct ContactReaders {
     of_all: BTreeMap<&'static str, ContactFields>,
     of_pairs: BTreeMap<Pair, BTreeMap<&'static str, ContactFields>>,
 }
-
-/// Two bodies, the lower id first.
-type Pair = (BodyId, BodyId);
 
 impl ContactReaders {
     /// The program that runs the scene.
