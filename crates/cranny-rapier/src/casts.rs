@@ -171,10 +171,14 @@ impl<'a> Cast<'a> {
 
     /// A moment of the motions, rounded towards the beginning.
     fn time(&self, share: f64) -> Real {
-        let time = self.begin + share * self.seconds;
-        let rounded = time as Real;
-        if f64::from(rounded) > time { rounded.next_down() } else { rounded }
+        earlier(self.begin + share * self.seconds)
     }
+}
+
+/// A time in rapier's numbers, rounded towards the beginning.
+pub(crate) fn earlier(time: f64) -> Real {
+    let rounded = time as Real;
+    if f64::from(rounded) > time { rounded.next_down() } else { rounded }
 }
 
 /// A body's farthest point from its origin, at most.
@@ -183,7 +187,8 @@ fn extent(model: &Model) -> f64 {
     bounds.min.abs().max(bounds.max.abs()).length()
 }
 
-fn nowhere() -> ShapeCastHit {
+/// A hit of which nothing is known.
+pub(crate) fn nowhere() -> ShapeCastHit {
     ShapeCastHit {
         time_of_impact: 0.0,
         witness1: Vector::ZERO,

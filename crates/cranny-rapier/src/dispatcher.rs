@@ -15,8 +15,9 @@
 //! primitives and of what has a border are right to rounding. Of half-spaces and shapes of an app's
 //! own parry measures how far the surfaces are; that one lies wholly inside our solid is seen here.
 //! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through,
-//! and a body that begins inside a solid meets it at once. Those of other partners, and those that
-//! are to stop at a distance, use the parry mesh of the same triangles.
+//! and a body that begins inside a solid meets it at once. Straight ones of round shapes are right
+//! to rounding (`round_casts`). All others begin as exactly, and use the parry mesh of the same
+//! triangles from there.
 
 use std::time::{Duration, Instant};
 

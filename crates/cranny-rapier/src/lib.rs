@@ -74,6 +74,7 @@ mod mass;
 mod pair;
 mod partners;
 mod questions;
+mod round_casts;
 mod shape;
 pub mod simulation;
 #[cfg(feature = "snapshot")]

@@ -24,6 +24,7 @@ use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::dispatcher::Dispatcher;
 use crate::pair::{PairWorkspace, Reach, for_parry, ours};
 use crate::partners::{measured, polyhedron, rounded_polyhedron};
+use crate::round_casts::{RoundCast, together};
 
 /// The models of two shapes that are polyhedra, one of them ours.
 fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
@@ -49,6 +50,16 @@ fn encloses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
         (Some(shape), None) => holds_partner(shape.model(), pos12, g2),
         (None, Some(shape)) => holds_partner(shape.model(), &pos12.inverse(), g1),
         _ => false,
+    }
+}
+
+/// Whether two shapes are no farther apart than a gap, or one lies inside the other.
+fn begins_together(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, gap: Real) -> bool {
+    match apart(&pose_from_rapier(pos12), g1, g2, gap.into()) {
+        Some(Separation::Meeting) => true,
+        Some(Separation::Apart { distance, .. }) => distance <= f64::from(gap),
+        Some(Separation::Farther) => false,
+        None => encloses(pos12, g1, g2),
     }
 }
 
@@ -182,6 +193,21 @@ impl Dispatcher {
                 return Ok(hit);
             }
         }
+        let gap = options.target_distance.max(0.0);
+        let initially = || {
+            let within = gap + Real::EPSILON * pos12.translation.length();
+            let contact = self.contact(pos12, g1, g2, within).ok().flatten();
+            together(contact, velocity, options.stop_at_penetration, 0.0)
+        };
+        if let Some(cast) = RoundCast::of(pos12, velocity, g1, g2)
+            && let Some(hit) = cast.meet(&options, initially)
+        {
+            return Ok(hit);
+        }
+        // From outside a solid its surface is met first, which parry knows.
+        if begins_together(pos12, g1, g2, gap) {
+            return Ok(initially());
+        }
         let (g1, g2) = (for_parry(g1), for_parry(g2));
         DefaultQueryDispatcher.cast_shapes(pos12, velocity, g1, g2, options)
     }
@@ -204,6 +230,12 @@ impl Dispatcher {
             }) {
                 return Ok(hit);
             }
+        }
+        let [pose1, pose2] = [motion1, motion2].map(|m| m.position_at_time(start));
+        let pos12 = pose1.inv_mul(&pose2);
+        if stop_at_penetration && begins_together(&pos12, g1, g2, 0.0) {
+            let contact = self.contact(&pos12, g1, g2, 0.0).ok().flatten();
+            return Ok(together(contact, Vector::ZERO, true, start));
         }
         let (g1, g2) = (for_parry(g1), for_parry(g2));
         DefaultQueryDispatcher.cast_shapes_nonlinear(

@@ -1,7 +1,7 @@
 //! Shape casts of polyhedra, against times that anybody can compute.
 
 use cranny_rapier::dispatcher;
-use cranny_shapes::Cup;
+use cranny_shapes::{Cup, Torus};
 use rapier3d::math::{Pose, Real, Rotation, Vector};
 use rapier3d::parry::query::details::{NonlinearRigidMotion, ShapeCastOptions};
 use rapier3d::parry::query::{QueryDispatcher, ShapeCastHit, ShapeCastStatus};
@@ -89,6 +89,115 @@ fn a_cube_falls_into_a_cup() {
     let cube = SharedShape::cuboid(0.1, 0.1, 0.1);
     let hit = straight(&cup, &cube, up(2.0), Vector::new(0.0, 0.0, -1.0)).expect("the floor");
     assert!((hit.time_of_impact - 1.8).abs() < EXACT, "{}", hit.time_of_impact);
+}
+
+/// Round shapes whose lowest point is 0.5 below their origin.
+fn round_partners() -> [(&'static str, SharedShape); 5] {
+    [
+        ("ball", SharedShape::ball(0.5)),
+        ("capsule", SharedShape::capsule_z(0.3, 0.2)),
+        ("cylinder", SharedShape::cylinder(0.4, 0.5)),
+        ("cone on its side", SharedShape::cone(0.4, 0.5)),
+        ("round cylinder", SharedShape::round_cylinder(0.3, 0.4, 0.1)),
+    ]
+}
+
+fn cast(
+    [g1, g2]: [&SharedShape; 2],
+    from: Pose,
+    velocity: Vector,
+    (target_distance, stop_at_penetration): (Real, bool),
+) -> Option<ShapeCastHit> {
+    let options = ShapeCastOptions {
+        target_distance,
+        stop_at_penetration,
+        ..ShapeCastOptions::with_max_time_of_impact(100.0)
+    };
+    dispatcher().cast_shapes(&from, velocity, &**g1, &**g2, options).expect("known")
+}
+
+#[test]
+fn round_shapes_meet_a_cube_in_time_or_stop_at_a_distance() {
+    let cube = ours(&cuboid(4.0, 4.0, 1.0));
+    for (name, partner) in round_partners() {
+        for target in [0.0, 0.1] {
+            let slow = Vector::new(0.0, 0.0, -4.0);
+            // 3 − 1 = 2 apart.
+            let expected = (2.0 - target) / 4.0;
+            let hit = cast([&cube, &partner], up(3.0), slow, (target, true)).expect(name);
+            assert!((hit.time_of_impact - expected).abs() < EXACT, "{name}: {hit:?}");
+            assert_eq!(hit.status, ShapeCastStatus::Converged, "{name}");
+            assert!((hit.normal1 - Vector::Z).length() < 1e-3, "{name}: {hit:?}");
+            assert!((hit.normal2 + Vector::Z).length() < 1e-3, "{name}: {hit:?}");
+            assert!((hit.witness1.z - 0.5).abs() < EXACT, "{name}: {hit:?}");
+            assert!((hit.witness2.z + 0.5).abs() < 1e-3, "{name}: {hit:?}");
+            // The other order, in the other's frame.
+            let hit = cast([&partner, &cube], up(-3.0), -slow, (target, true)).expect(name);
+            assert!((hit.time_of_impact - expected).abs() < EXACT, "{name}: {hit:?}");
+            assert!((hit.normal1 + Vector::Z).length() < 1e-3, "{name}: {hit:?}");
+            assert!((hit.witness1.z + 0.5).abs() < 1e-3, "{name}: {hit:?}");
+            assert!((hit.witness2.z - 0.5).abs() < EXACT, "{name}: {hit:?}");
+            assert!(cast([&cube, &partner], up(3.0), Vector::Z, (target, true)).is_none());
+        }
+    }
+}
+
+/// Inside a block, where a hollow mesh sees nothing: all shapes, also those with a border, straight
+/// and turning.
+#[test]
+fn round_shapes_that_begin_inside_a_solid_are_not_free() {
+    let block = ours(&cuboid(9.0, 9.0, 9.0));
+    let others = [
+        ("round cuboid", SharedShape::round_cuboid(0.3, 0.3, 0.3, 0.1)),
+        ("round triangle", {
+            let [a, b, c] = [Vector::X, Vector::Y, Vector::Z];
+            SharedShape::round_triangle(a, b, c, 0.1)
+        }),
+    ];
+    for (name, partner) in round_partners().into_iter().chain(others) {
+        for pair in [[&block, &partner], [&partner, &block]] {
+            let hit = cast(pair, Pose::IDENTITY, Vector::Z, (0.0, true)).expect(name);
+            assert_eq!(hit.time_of_impact, 0.0, "{name}");
+            assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist, "{name}");
+            let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
+            let moving =
+                NonlinearRigidMotion::new(Pose::IDENTITY, Vector::ZERO, Vector::Z, Vector::X);
+            let hit = dispatcher()
+                .cast_shapes_nonlinear(&still, &**pair[0], &moving, &**pair[1], 0.0, 1.0, true)
+                .expect("known")
+                .expect(name);
+            assert_eq!(hit.time_of_impact, 0.0, "{name}");
+        }
+    }
+}
+
+/// What touches at the beginning and parts is free where the caller says so; what comes nearer, or
+/// is within the distance at which it is to stop, is not.
+#[test]
+fn who_parts_is_free_if_the_caller_wants_it() {
+    let (cube, ball) = (ours(&cuboid(4.0, 4.0, 1.0)), SharedShape::ball(0.5));
+    for (pair, side) in [([&cube, &ball], 1.0), ([&ball, &cube], -1.0)] {
+        for (height, target) in [(0.98, 0.0), (1.05, 0.1)] {
+            let from = up(side * height);
+            let away = Vector::new(0.0, 0.0, side);
+            assert!(cast(pair, from, away, (target, false)).is_none());
+            assert!(cast(pair, from, away, (target, true)).is_some());
+            let hit = cast(pair, from, -away, (target, false)).expect("it comes nearer");
+            assert_eq!(hit.time_of_impact, 0.0);
+        }
+    }
+}
+
+/// A ball falls through a ring that is as wide as its hole, and a capsule into a cup.
+#[test]
+fn round_shapes_pass_holes() {
+    let ring = ours(&model(Torus { major_radius: 1.0, minor_radius: 0.25, ..Torus::default() }));
+    let fall = |shape: &SharedShape| {
+        cast([&ring, shape], up(10.0), Vector::new(0.0, 0.0, -50.0), (0.0, true))
+    };
+    assert!(fall(&SharedShape::ball(0.7)).is_none());
+    assert!(fall(&SharedShape::ball(0.8)).is_some());
+    assert!(fall(&SharedShape::ball(0.001)).is_none());
 }
 
 /// What begins within a solid, where a hollow mesh sees nothing, or overlaps.
