@@ -1,0 +1,97 @@
+//! What a peer finds at a configuration, beside what we find.
+
+use cranny_exact::Pose;
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_primitives::{PlacedShape, query_shapes};
+
+use super::contestants::Found;
+use super::stage::Stage;
+
+/// Metres. The libraries may count gaps below 1e-6 as hits, and iterate distances to 1e-6. Smaller:
+/// such gaps fail. Larger: errors of ours pass.
+const TOLERANCE: f64 = 4e-6;
+
+/// How the verdicts and distances of a peer compare with ours.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Agreement {
+    /// Configurations that both looked at.
+    pub(super) compared: usize,
+    /// Hits of ours where one link lies inside the other. A tree of triangles has no inside.
+    pub(super) inside: usize,
+    /// Hits of the peer where the links are apart by no more than [`TOLERANCE`].
+    pub(super) near: usize,
+    /// All other differences, a sentence each.
+    pub(super) differences: Vec<String>,
+}
+
+/// Compares what was found, configuration by configuration.
+pub(super) fn compare(
+    stage: &Stage<'_>,
+    ours: &[Option<Found>],
+    peer: &[Option<Found>],
+) -> Agreement {
+    let mut agreement = Agreement::default();
+    for (frame, found) in ours.iter().zip(peer).enumerate() {
+        let (Some(ours), Some(peer)) = found else { continue };
+        agreement.compared += 1;
+        let missed = ours.hits.iter().filter(|pair| !peer.hits.contains(pair));
+        for &pair in missed {
+            agreement.missed_by_peer(stage, frame, pair);
+        }
+        for &pair in peer.hits.iter().filter(|pair| !ours.hits.contains(pair)) {
+            agreement.missed_by_us(stage, frame, pair);
+        }
+        // A distance follows from the hits, which are compared above.
+        if ours.hits != peer.hits {
+            continue;
+        }
+        let (Some(own), Some(other)) = (ours.distance, peer.distance) else { continue };
+        if (own - other.max(0.0)).abs() > TOLERANCE {
+            let what = format!("configuration {frame}: the distance is {own}, the peer's {other}");
+            agreement.differences.push(what);
+        }
+    }
+    agreement
+}
+
+impl Agreement {
+    fn missed_by_peer(&mut self, stage: &Stage<'_>, frame: usize, pair: (usize, usize)) {
+        if is_inside(stage, frame, pair) {
+            self.inside += 1;
+        } else {
+            self.differ(stage, frame, pair, "meet, and not for the peer");
+        }
+    }
+
+    fn missed_by_us(&mut self, stage: &Stage<'_>, frame: usize, pair: (usize, usize)) {
+        let gap = answer(stage, frame, pair).and_then(|answer| answer.distance);
+        if gap.is_some_and(|gap| gap <= TOLERANCE) {
+            self.near += 1;
+        } else {
+            let what = format!("are {gap:?} apart, and meet for the peer");
+            self.differ(stage, frame, pair, &what);
+        }
+    }
+
+    fn differ(&mut self, stage: &Stage<'_>, frame: usize, (a, b): (usize, usize), what: &str) {
+        let [a, b] = [a, b].map(|link| &stage.cell.robot.links[link].name);
+        self.differences.push(format!("configuration {frame}: {a} and {b} {what}"));
+    }
+}
+
+/// Returns whether the surfaces are apart although the links meet.
+fn is_inside(stage: &Stage<'_>, frame: usize, pair: (usize, usize)) -> bool {
+    answer(stage, frame, pair).is_some_and(|answer| {
+        answer.contained.is_some() && answer.distance.is_some_and(|gap| gap > 0.0)
+    })
+}
+
+/// Returns the answer about a pair, computed without memory.
+fn answer(stage: &Stage<'_>, frame: usize, (a, b): (usize, usize)) -> Option<Answer> {
+    let placed = |link: usize| {
+        let pose: Pose = stage.poses[frame][link];
+        stage.cell.shapes[link].as_ref().map(|shape| PlacedShape { shape, pose })
+    };
+    let query = Query::of(Demand::Distance { below: None });
+    query_shapes(placed(a)?, placed(b)?, &query, &mut PairMemory::default()).ok()
+}
