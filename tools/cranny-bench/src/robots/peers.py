@@ -8,8 +8,7 @@ Each further line is a turn: {"library": "fcl" | "coal", "what": "meeting" | "ne
 a line {"seconds": one a frame, "hits": pairs, one list a frame, "nearest": [a, b, distance] or null, one a frame}.
 
 The broad phase is given: neither its time nor that of placing the links counts. Seconds are of the thread's CPU clock,
-less what as many calls take for two far triangles: the libraries are called from Python here, and the call is not
-theirs. A mesh of twelve faces that is a box is a box of the library.
+less what as many calls take for two far balls: the libraries are called from Python here, and the call is not theirs. A mesh of twelve faces that is a box is a box of the library.
 """
 
 import functools
@@ -160,11 +159,10 @@ class Links:
 
 @functools.cache
 def call_seconds(library):
-    """Of a verdict and of a distance, for two far triangles."""
-    triangle = [[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0]]
+    """Of a verdict and of a distance, for two far balls."""
     away = numpy.eye(4)
     away[0, 3] = 1e3
-    here, there = (library.place(library.bvh(triangle, [[0, 1, 2]]), pose) for pose in (numpy.eye(4), away))
+    here, there = (library.place(library.primitive("ball", 1.0, 0.0), pose) for pose in (numpy.eye(4), away))
     return [sorted(seconds_of(lambda: call(here, there))[0] for _ in range(CALLS))[CALLS // 2] for call in (library.meets, library.distance)]
 
 

@@ -4,7 +4,6 @@ use std::io;
 use std::path::Path;
 
 use cranny_exact::{Aabb, DQuat, DVec3, Pose};
-use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_primitives::{BodyShape, Primitive};
 use cranny_scene::Robot;
 use cranny_scene::robot::{RobotJoint, read_robot, read_semantics};
@@ -63,14 +62,9 @@ impl Cell {
             }
             None => Default::default(),
         };
-        let links = robot.self_collisions(&disabled.disabled_pairs).map_err(io::Error::other)?;
+        let shapes = robot.link_shapes().map_err(io::Error::other)?;
+        let links = Arrangement::new(shapes.clone(), robot.checked_pairs(&disabled.disabled_pairs));
         let pairs = links.pairs().collect();
-        let shapes = robot.links.iter().map(|link| match (link.primitive, &link.collision) {
-            (Some(primitive), _) => Ok(Some(BodyShape::from(primitive))),
-            (None, Some(mesh)) => prepared(mesh).map(|model| Some(BodyShape::from(model))),
-            (None, None) => Ok(None),
-        });
-        let shapes = shapes.collect::<io::Result<_>>()?;
         Ok(Self { robot, shapes, pairs })
     }
 
@@ -112,11 +106,6 @@ impl Cell {
         };
         joints.map(position).collect()
     }
-}
-
-fn prepared(mesh: &Mesh) -> io::Result<Model> {
-    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    Model::build(mesh.clone(), &options).map(|(model, _)| model).map_err(io::Error::other)
 }
 
 fn between([from, to]: &[JointPositions; 2], share: f64) -> JointPositions {
