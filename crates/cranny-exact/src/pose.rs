@@ -298,8 +298,9 @@ impl RigidMap {
 
 fn snapped(m: DMat3) -> DMat3 {
     DMat3::from_cols_array(&m.to_cols_array().map(|x| {
-        // Entries of rotations: `round` is a call where the machine is an old one.
-        let nearest = f64::from(i8::from(x > 0.5) - i8::from(x < -0.5));
+        // Entries of rotations: `round` is a call where the machine is an old one, and integers in
+        // between keep the entries from being treated side by side.
+        let nearest = if x.abs() > 0.5 { 1.0f64.copysign(x) } else { 0.0 };
         if (x - nearest).abs() <= SNAP { nearest } else { x }
     }))
 }
