@@ -102,27 +102,12 @@ impl Bench {
         course: Course,
         wanted: Wanted,
         stage: &Stage<'_>,
-        mut python: Option<&mut Python>,
+        python: Option<&mut Python>,
     ) -> io::Result<()> {
-        let mut ours = Ours::new(stage, wanted);
-        let mut all = [None, None];
-        let mut own = None;
         let what = if wanted == Wanted::Meeting { "hits" } else { "distance" };
         let case = format!("{name}, {}, {what}", course.name());
-        for (k, (peer_name, library)) in PEERS.iter().enumerate() {
-            let Some(python) = python.as_deref_mut().filter(|_| self.has[k]) else { continue };
-            let mut peer = Peer { python, library, wanted, found: vec![None; stage.poses.len()] };
-            let contestants: &mut [&mut dyn Contestant] = &mut [&mut ours, &mut peer];
-            let mut times = take_turns(self.budget, stage.poses.len(), contestants).into_iter();
-            own = times.next().flatten();
-            all[k] = times.next().flatten();
-            self.agree(&case, peer_name, compare(stage, &ours.found, &peer.found));
-        }
-        if own.is_none() {
-            let contestants: &mut [&mut dyn Contestant] = &mut [&mut ours];
-            own = take_turns(self.budget, stage.poses.len(), contestants).pop().flatten();
-        }
-        let own = own.ok_or_else(|| io::Error::other(format!("{name}: our check fails")))?;
+        let mut ours = Ours::new(stage, wanted);
+        let (own, peers) = self.race(&case, stage, &mut ours, python)?;
         let met = ours.found.iter().flatten().filter(|found| !found.hits.is_empty()).count();
         let mut cells = vec![
             Figure::Text(case),
@@ -131,12 +116,40 @@ impl Bench {
             Figure::Micros(own.median() * 1e6),
             Figure::Micros(own.p99() * 1e6),
         ];
-        let ratio = |times: &Option<Times>| times.as_ref().map(|times| times.over(&own));
-        cells.extend(all.iter().map(|times| ratio(times).map_or(Figure::Absent, Figure::Ratio)));
-        let mean = |times: &Option<Times>| times.as_ref().map(|times| mean_over(times, &own));
-        cells.extend(all.iter().map(|times| mean(times).map_or(Figure::Absent, Figure::Ratio)));
+        let ratios = |of: fn(&Times, &Times) -> f64| {
+            let ratio = |times: &Option<Times>| times.as_ref().map(|times| of(times, &own));
+            peers.each_ref().map(|times| ratio(times).map_or(Figure::Absent, Figure::Ratio))
+        };
+        cells.extend(ratios(Times::over));
+        cells.extend(ratios(mean_over));
         self.rows.push(cells);
         Ok(())
+    }
+
+    /// Ours takes turns with each peer; returns its times and theirs.
+    fn race(
+        &mut self,
+        case: &str,
+        stage: &Stage<'_>,
+        ours: &mut Ours<'_>,
+        mut python: Option<&mut Python>,
+    ) -> io::Result<(Times, [Option<Times>; 2])> {
+        let (frames, wanted) = (stage.poses.len(), ours.wanted);
+        let (mut own, mut peers) = (None, [None, None]);
+        for (k, (peer_name, library)) in PEERS.iter().enumerate() {
+            let Some(python) = python.as_deref_mut().filter(|_| self.has[k]) else { continue };
+            let mut peer = Peer { python, library, wanted, found: vec![None; frames] };
+            let contestants: &mut [&mut dyn Contestant] = &mut [&mut *ours, &mut peer];
+            let mut times = take_turns(self.budget, frames, contestants).into_iter();
+            own = times.next().flatten();
+            peers[k] = times.next().flatten();
+            self.agree(case, peer_name, compare(stage, &ours.found, &peer.found));
+        }
+        if own.is_none() {
+            own = take_turns(self.budget, frames, &mut [&mut *ours]).pop().flatten();
+        }
+        let own = own.ok_or_else(|| io::Error::other(format!("{case}: our check fails")))?;
+        Ok((own, peers))
     }
 
     /// Adds how a peer's answers compare with ours.

@@ -79,11 +79,9 @@ impl Agreement {
     }
 }
 
-/// Returns whether the surfaces are apart although the links meet.
+/// Returns whether one link lies wholly inside the other.
 fn is_inside(stage: &Stage<'_>, frame: usize, pair: (usize, usize)) -> bool {
-    answer(stage, frame, pair).is_some_and(|answer| {
-        answer.contained.is_some() && answer.distance.is_some_and(|gap| gap > 0.0)
-    })
+    answer(stage, frame, pair).is_some_and(|answer| answer.contained.is_some())
 }
 
 /// Returns the answer about a pair, computed without memory.
@@ -94,4 +92,55 @@ fn answer(stage: &Stage<'_>, frame: usize, (a, b): (usize, usize)) -> Option<Ans
     };
     let query = Query::of(Demand::Distance { below: None });
     query_shapes(placed(a)?, placed(b)?, &query, &mut PairMemory::default()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robots::stage::Cell;
+
+    /// A room with a ball in it that slides out, and its pose at some positions.
+    fn compared(positions: &[f64], peer: Found) -> Agreement {
+        let folder = tempfile::tempdir().unwrap();
+        let urdf = folder.path().join("r.urdf");
+        let text = "<robot name='r'>
+            <link name='room'><collision><geometry><box size='2 2 2'/></geometry></collision></link>
+            <link name='rail'/>
+            <link name='ball'><collision><geometry><sphere radius='0.25'/></geometry></collision></link>
+            <joint name='base' type='fixed'><parent link='room'/><child link='rail'/></joint>
+            <joint name='slide' type='prismatic'><parent link='rail'/><child link='ball'/><axis xyz='1 0 0'/>
+            <limit lower='0' upper='9' effort='1' velocity='1'/></joint></robot>";
+        std::fs::write(&urdf, text).unwrap();
+        let cell = Cell::read(&urdf, None).unwrap();
+        let poses = positions
+            .iter()
+            .map(|&at| cell.robot.forward_kinematics(&[("slide".to_owned(), at)].into()).unwrap());
+        let stage = Stage { cell: &cell, poses: poses.collect() };
+        let ours = positions.iter().map(|&at| {
+            let gap = (at - 1.25).max(0.0);
+            let hits = if gap > 0.0 { Vec::new() } else { vec![(0, 2)] };
+            Some(Found { hits, distance: Some(gap) })
+        });
+        compare(&stage, &ours.collect::<Vec<_>>(), &vec![Some(peer); positions.len()])
+    }
+
+    fn found(hits: &[(usize, usize)], distance: f64) -> Found {
+        Found { hits: hits.to_vec(), distance: Some(distance) }
+    }
+
+    #[test]
+    fn answers_are_sorted_by_why_they_differ() {
+        let counts = |agreement: Agreement| {
+            let Agreement { compared, inside, near, differences } = agreement;
+            (compared, inside, near, differences.len())
+        };
+        assert_eq!(counts(compared(&[3.25], found(&[], 2.0))), (1, 0, 0, 0));
+        assert_eq!(counts(compared(&[3.25], found(&[], 2.1))), (1, 0, 0, 1), "a distance");
+        assert_eq!(counts(compared(&[0.0], found(&[], 0.75))), (1, 1, 0, 0), "inside");
+        assert_eq!(counts(compared(&[1.0], found(&[], 0.1))), (1, 0, 0, 1), "crossing");
+        let hit = found(&[(0, 2)], 0.0);
+        assert_eq!(counts(compared(&[1.25 + 1e-6], hit.clone())), (1, 0, 1, 0), "a narrow gap");
+        let wide = compared(&[1.26], hit);
+        assert!(wide.differences[0].contains("room and ball are Some(0.01"), "{wide:?}");
+    }
 }

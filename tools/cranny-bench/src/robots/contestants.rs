@@ -20,7 +20,7 @@ pub(super) struct Found {
 /// Ours, as `cranny robot` checks: what is remembered of the configuration before is kept.
 pub(super) struct Ours<'a> {
     stage: &'a Stage<'a>,
-    wanted: Wanted,
+    pub(super) wanted: Wanted,
     links: Arrangement,
     watch: Stopwatch,
     pub(super) found: Vec<Option<Found>>,

@@ -8,7 +8,8 @@ Each further line is a turn: {"library": "fcl" | "coal", "what": "meeting" | "ne
 a line {"seconds": one a frame, "hits": pairs, one list a frame, "nearest": [a, b, distance] or null, one a frame}.
 
 The broad phase is given: neither its time nor that of placing the links counts. Seconds are of the thread's CPU clock,
-less what as many calls take for two far balls: the libraries are called from Python here, and the call is not theirs. A mesh of twelve faces that is a box is a box of the library.
+less what as many calls take for two far balls: the libraries are called from Python here, and the call is not theirs.
+A mesh of twelve faces that is a box is a box of the library.
 """
 
 import functools
