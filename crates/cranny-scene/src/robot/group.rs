@@ -35,11 +35,12 @@ pub enum MemberKind {
     Joint(String),
     /// Another group.
     Group(String),
-    /// All joints between two links.
+    /// All joints between two links, down from one or over the link that both hang from. The upper
+    /// link is no part of the group.
     Chain {
-        /// The link above the first joint, which is no part of the group.
+        /// One end.
         base: String,
-        /// The link beneath the last joint.
+        /// The other.
         tip: String,
     },
 }
@@ -130,13 +131,11 @@ impl RobotGroup {
                 self.add_joint(robot, joint);
             }
             MemberKind::Chain { base, tip } => {
-                let (above, mut at) = (link_of(robot, base)?, link_of(robot, tip)?);
-                while at != above {
-                    let joint = robot.joint_above(at).ok_or_else(|| {
-                        format!("has a chain from {base:?} to {tip:?}, but {tip:?} does not hang from {base:?}. Exchange them, or name its joints")
-                    })?;
+                let ends = [link_of(robot, base)?, link_of(robot, tip)?];
+                let [of_base, of_tip] = ends.map(|end| joints_to_root(robot, end));
+                // What both ends hang from is not between them.
+                for &joint in of_base.symmetric_difference(&of_tip) {
                     self.add_joint(robot, joint);
-                    at = robot.joints[joint].parent;
                 }
             }
             MemberKind::Group(_) => {}
@@ -165,6 +164,11 @@ impl RobotGroup {
         let moved = (0..moved.len()).filter(|&link| moved[link]);
         moved.chain(self.links.iter().copied()).collect()
     }
+}
+
+fn joints_to_root(robot: &Robot, link: usize) -> BTreeSet<usize> {
+    let above = |&joint: &usize| robot.joint_above(robot.joints[joint].parent);
+    std::iter::successors(robot.joint_above(link), above).collect()
 }
 
 fn link_of(robot: &Robot, name: &str) -> Result<usize, String> {
@@ -239,6 +243,12 @@ mod tests {
                 &["arm", "hand"],
                 &["arm", "hand", "left", "right"],
             ),
+            ("<chain base_link='hand' tip_link='arm'/>", &["hand"], &["hand"]),
+            (
+                "<chain base_link='eye' tip_link='left'/>",
+                &["arm", "hand", "left", "eye"],
+                &["arm", "hand", "left", "right", "eye"],
+            ),
             ("<link name='base'/><link name='eye'/>", &["base", "eye"], &["base", "eye"]),
             ("<joint name='world'/>", &["base"], &["base"]),
             ("", &[], &[]),
@@ -263,10 +273,6 @@ mod tests {
                 "line 2: the group \"g\" names the group \"leg\", which is not there. Its groups are g, hand",
             ),
             ("<group name='g'/>", "line 2: the group \"g\" holds itself (g, g)"),
-            (
-                "<chain base_link='hand' tip_link='arm'/>",
-                "line 2: the group \"g\" has a chain from \"hand\" to \"arm\", but \"arm\" does not hang from \"hand\"",
-            ),
         ] {
             let error = group(members).unwrap_err();
             assert!(error.contains(says), "{error}");
