@@ -14,8 +14,8 @@ use clap::Args;
 use cranny_world::Wanted;
 
 use self::agreement::{Agreement, compare};
-use self::contestants::{Ours, Peer};
-use self::stage::{Cell, Course, Stage};
+use self::contestants::{Peer, RobotChecks};
+use self::stage::{Course, RobotCell, RobotStage};
 use crate::progress;
 use crate::python::Python;
 use crate::report::{Cell as Figure, Report, Table};
@@ -50,7 +50,7 @@ const PEERS: [(&str, &str); 2] = [("FCL", "fcl"), ("Coal", "coal")];
 pub(crate) fn measure(quick: bool, args: &RobotsArgs) -> io::Result<Report> {
     let count =
         if quick { args.configurations.min(QUICK_CONFIGURATIONS) } else { args.configurations };
-    let mut bench = Bench {
+    let mut bench = RobotBench {
         budget: Budget { rounds: if quick { 1 } else { 3 }, turn: if quick { 0.1 } else { 1.0 } },
         has: PEERS.map(|(_, package)| Python::has(package)),
         rows: Vec::new(),
@@ -66,13 +66,13 @@ pub(crate) fn measure(quick: bool, args: &RobotsArgs) -> io::Result<Report> {
         progress(robot);
         let (urdf, srdf) = robot.split_once(',').map_or((&**robot, None), |(u, s)| (u, Some(s)));
         let named = |error| io::Error::other(format!("{robot}: {error}"));
-        let cell = Cell::read(Path::new(urdf), srdf.map(Path::new)).map_err(named)?;
+        let cell = RobotCell::read(Path::new(urdf), srdf.map(Path::new)).map_err(named)?;
         bench.robot(&cell, srdf.is_some(), count.max(1))?;
     }
     Ok(bench.report())
 }
 
-struct Bench {
+struct RobotBench {
     budget: Budget,
     has: [bool; 2],
     rows: Vec<Vec<Figure>>,
@@ -80,11 +80,11 @@ struct Bench {
     notes: Vec<String>,
 }
 
-impl Bench {
-    fn robot(&mut self, cell: &Cell, has_srdf: bool, count: usize) -> io::Result<()> {
+impl RobotBench {
+    fn robot(&mut self, cell: &RobotCell, has_srdf: bool, count: usize) -> io::Result<()> {
         let name = format!("{}{}", cell.robot.name, if has_srdf { ", SRDF" } else { "" });
         for course in [Course::Random, Course::Motion] {
-            let stage = Stage { cell, poses: cell.poses(course, count)? };
+            let stage = RobotStage { cell, poses: cell.poses(course, count)? };
             let mut python = match self.has {
                 [false, false] => None,
                 _ => Some(Python::start(SCRIPT, &stage.given())?),
@@ -101,12 +101,12 @@ impl Bench {
         name: &str,
         course: Course,
         wanted: Wanted,
-        stage: &Stage<'_>,
+        stage: &RobotStage<'_>,
         python: Option<&mut Python>,
     ) -> io::Result<()> {
         let what = if wanted == Wanted::Meeting { "hits" } else { "distance" };
         let case = format!("{name}, {}, {what}", course.name());
-        let mut ours = Ours::new(stage, wanted);
+        let mut ours = RobotChecks::new(stage, wanted);
         let (own, peers) = self.race(&case, stage, &mut ours, python)?;
         let met = ours.found.iter().flatten().filter(|found| !found.hits.is_empty()).count();
         let mut cells = vec![
@@ -130,8 +130,8 @@ impl Bench {
     fn race(
         &mut self,
         case: &str,
-        stage: &Stage<'_>,
-        ours: &mut Ours<'_>,
+        stage: &RobotStage<'_>,
+        ours: &mut RobotChecks<'_>,
         mut python: Option<&mut Python>,
     ) -> io::Result<(Times, [Option<Times>; 2])> {
         let (frames, wanted) = (stage.poses.len(), ours.wanted);

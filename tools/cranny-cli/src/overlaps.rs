@@ -20,7 +20,7 @@ const LISTED: usize = 8;
 
 /// Two bodies that overlap where a scene begins.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Overlap {
+pub(crate) struct StartOverlap {
     a: String,
     b: String,
     /// `None`: one lies wholly within the other.
@@ -28,14 +28,17 @@ pub(crate) struct Overlap {
 }
 
 /// All pairs that overlap, the deepest first. Bodies are [prepared](prepare).
-pub(crate) fn at_start(scene: &SceneDescription) -> Vec<Overlap> {
+pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
     let boxes = boxes(scene);
-    let mut found: Vec<(f64, Overlap)> = pairs(scene, &boxes)
+    let mut found: Vec<(f64, StartOverlap)> = pairs(scene, &boxes)
         .filter_map(|(a, b)| {
             let [a, b] = [a, b].map(|body| &scene.bodies[body]);
             let depth = depth([a, b])?;
             let [a, b] = [a, b].map(|body| body.name.clone());
-            Some((depth, Overlap { a, b, depth: Some(depth).filter(|depth| depth.is_finite()) }))
+            Some((
+                depth,
+                StartOverlap { a, b, depth: Some(depth).filter(|depth| depth.is_finite()) },
+            ))
         })
         .collect();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
@@ -43,14 +46,14 @@ pub(crate) fn at_start(scene: &SceneDescription) -> Vec<Overlap> {
 }
 
 /// A sentence for each overlap that is listed, and one for all others.
-pub(crate) fn sentences(overlaps: &[Overlap]) -> Vec<String> {
+pub(crate) fn sentences(overlaps: &[StartOverlap]) -> Vec<String> {
     let more = overlaps.len().saturating_sub(LISTED);
-    let listed = overlaps.iter().take(LISTED).map(Overlap::sentence);
+    let listed = overlaps.iter().take(LISTED).map(StartOverlap::sentence);
     let rest = (more > 0).then(|| format!("{more} more pairs overlap at the start"));
     listed.chain(rest).collect()
 }
 
-impl Overlap {
+impl StartOverlap {
     fn sentence(&self) -> String {
         let Self { a, b, depth } = self;
         let what = match depth {

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::args::{DetectorArg, Format, RunArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::overlaps::{self, Overlap};
+use crate::overlaps::{self, StartOverlap};
 use crate::paths::check_output;
 use crate::progress::RunProgress;
 use crate::scene_file::load;
@@ -35,7 +35,7 @@ struct RunLine<'a> {
     #[serde(flatten)]
     summary: &'a RunSummary,
     /// Bodies that overlap where the scene begins, the deepest first.
-    overlaps_at_start: Vec<Overlap>,
+    overlaps_at_start: Vec<StartOverlap>,
 }
 
 /// Runs the command.

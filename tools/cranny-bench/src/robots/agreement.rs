@@ -5,7 +5,7 @@ use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use cranny_primitives::{PlacedShape, query_shapes};
 
 use super::contestants::Found;
-use super::stage::Stage;
+use super::stage::RobotStage;
 
 /// Metres. The libraries may count gaps below 1e-6 as hits, and iterate distances to 1e-6. Smaller:
 /// such gaps fail. Larger: errors of ours pass.
@@ -26,7 +26,7 @@ pub(super) struct Agreement {
 
 /// Compares what was found, configuration by configuration.
 pub(super) fn compare(
-    stage: &Stage<'_>,
+    stage: &RobotStage<'_>,
     ours: &[Option<Found>],
     peer: &[Option<Found>],
 ) -> Agreement {
@@ -55,7 +55,7 @@ pub(super) fn compare(
 }
 
 impl Agreement {
-    fn missed_by_peer(&mut self, stage: &Stage<'_>, frame: usize, pair: (usize, usize)) {
+    fn missed_by_peer(&mut self, stage: &RobotStage<'_>, frame: usize, pair: (usize, usize)) {
         if is_inside(stage, frame, pair) {
             self.inside += 1;
         } else {
@@ -63,7 +63,7 @@ impl Agreement {
         }
     }
 
-    fn missed_by_us(&mut self, stage: &Stage<'_>, frame: usize, pair: (usize, usize)) {
+    fn missed_by_us(&mut self, stage: &RobotStage<'_>, frame: usize, pair: (usize, usize)) {
         let gap = answer(stage, frame, pair).and_then(|answer| answer.distance);
         if gap.is_some_and(|gap| gap <= TOLERANCE) {
             self.near += 1;
@@ -73,19 +73,19 @@ impl Agreement {
         }
     }
 
-    fn differ(&mut self, stage: &Stage<'_>, frame: usize, (a, b): (usize, usize), what: &str) {
+    fn differ(&mut self, stage: &RobotStage<'_>, frame: usize, (a, b): (usize, usize), what: &str) {
         let [a, b] = [a, b].map(|link| &stage.cell.robot.links[link].name);
         self.differences.push(format!("configuration {frame}: {a} and {b} {what}"));
     }
 }
 
 /// Returns whether one link lies wholly inside the other.
-fn is_inside(stage: &Stage<'_>, frame: usize, pair: (usize, usize)) -> bool {
+fn is_inside(stage: &RobotStage<'_>, frame: usize, pair: (usize, usize)) -> bool {
     answer(stage, frame, pair).is_some_and(|answer| answer.contained.is_some())
 }
 
 /// Returns the answer about a pair, computed without memory.
-fn answer(stage: &Stage<'_>, frame: usize, (a, b): (usize, usize)) -> Option<Answer> {
+fn answer(stage: &RobotStage<'_>, frame: usize, (a, b): (usize, usize)) -> Option<Answer> {
     let placed = |link: usize| {
         let pose: Pose = stage.poses[frame][link];
         stage.cell.shapes[link].as_ref().map(|shape| PlacedShape { shape, pose })
@@ -97,7 +97,7 @@ fn answer(stage: &Stage<'_>, frame: usize, (a, b): (usize, usize)) -> Option<Ans
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robots::stage::Cell;
+    use crate::robots::stage::RobotCell;
 
     /// A room with a ball in it that slides out, and its pose at some positions.
     fn compared(positions: &[f64], peer: Found) -> Agreement {
@@ -111,11 +111,11 @@ mod tests {
             <joint name='slide' type='prismatic'><parent link='rail'/><child link='ball'/><axis xyz='1 0 0'/>
             <limit lower='0' upper='9' effort='1' velocity='1'/></joint></robot>";
         std::fs::write(&urdf, text).unwrap();
-        let cell = Cell::read(&urdf, None).unwrap();
+        let cell = RobotCell::read(&urdf, None).unwrap();
         let poses = positions
             .iter()
             .map(|&at| cell.robot.forward_kinematics(&[("slide".to_owned(), at)].into()).unwrap());
-        let stage = Stage { cell: &cell, poses: poses.collect() };
+        let stage = RobotStage { cell: &cell, poses: poses.collect() };
         let ours = positions.iter().map(|&at| {
             let gap = (at - 1.25).max(0.0);
             let hits = if gap > 0.0 { Vec::new() } else { vec![(0, 2)] };

@@ -5,7 +5,7 @@ use std::io;
 use cranny_world::{Arrangement, Wanted};
 use serde_json::{Value, json};
 
-use super::stage::Stage;
+use super::stage::RobotStage;
 use crate::python::Python;
 use crate::turns::{Contestant, Stopwatch};
 
@@ -18,22 +18,22 @@ pub(super) struct Found {
 }
 
 /// Ours, as `cranny robot` checks: what is remembered of the configuration before is kept.
-pub(super) struct Ours<'a> {
-    stage: &'a Stage<'a>,
+pub(super) struct RobotChecks<'a> {
+    stage: &'a RobotStage<'a>,
     pub(super) wanted: Wanted,
     links: Arrangement,
     watch: Stopwatch,
     pub(super) found: Vec<Option<Found>>,
 }
 
-impl<'a> Ours<'a> {
-    pub(super) fn new(stage: &'a Stage<'a>, wanted: Wanted) -> Self {
+impl<'a> RobotChecks<'a> {
+    pub(super) fn new(stage: &'a RobotStage<'a>, wanted: Wanted) -> Self {
         let (links, found) = (stage.cell.links(), vec![None; stage.poses.len()]);
         Self { stage, wanted, links, watch: Stopwatch::new(), found }
     }
 }
 
-impl Contestant for Ours<'_> {
+impl Contestant for RobotChecks<'_> {
     fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>> {
         let Self { stage, wanted, links, watch, found } = self;
         let mut seconds = Vec::with_capacity(frames.len());

@@ -41,13 +41,13 @@ impl Course {
 }
 
 /// A robot with the pairs of its links that are checked.
-pub(super) struct Cell {
+pub(super) struct RobotCell {
     pub(super) robot: Robot,
     pub(super) shapes: Vec<Option<BodyShape>>,
     pub(super) pairs: Vec<(usize, usize)>,
 }
 
-impl Cell {
+impl RobotCell {
     /// Reads a URDF file, and an SRDF file whose pairs are left out.
     ///
     /// # Errors
@@ -113,12 +113,12 @@ fn between([from, to]: &[JointPositions; 2], share: f64) -> JointPositions {
 }
 
 /// A cell at the configurations of a course.
-pub(super) struct Stage<'a> {
-    pub(super) cell: &'a Cell,
+pub(super) struct RobotStage<'a> {
+    pub(super) cell: &'a RobotCell,
     pub(super) poses: Vec<Vec<Pose>>,
 }
 
-impl Stage<'_> {
+impl RobotStage<'_> {
     /// The first line for the peers.
     pub(super) fn given(&self) -> Value {
         let links: Vec<Value> = self.cell.shapes.iter().map(link).collect();
