@@ -329,6 +329,18 @@ mod tests {
     }
 
     #[test]
+    fn only_entries_next_to_minus_one_zero_and_one_are_snapped() {
+        let entry = |x: f64| snapped(DMat3::from_diagonal(DVec3::splat(x))).y_axis.y;
+        let near = 0.5 * SNAP;
+        for (x, to) in [(1.0 - near, 1.0f64), (near - 1.0, -1.0), (near, 0.0), (-near, 0.0)] {
+            assert_eq!(entry(x).to_bits(), to.to_bits(), "{x}");
+        }
+        for x in [0.5, -0.5, 0.7, 3.0 * SNAP, 1.0 - 3.0 * SNAP, 3.0 * SNAP - 1.0] {
+            assert_eq!(entry(x), x);
+        }
+    }
+
+    #[test]
     fn quarter_turns_are_exact() {
         let p = DVec3::new(0.375, -1.5, 1024.0625);
         let rotations = cube_rotations();
