@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cranny_ecs::check_outputs;
+use cranny_primitives::BodyShape;
 use cranny_scene::robot::{Semantics, read_robot, read_semantics};
 use cranny_scene::{Robot, RobotError};
 use cranny_world::description::JointPositions;
@@ -57,6 +58,12 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     let shapes = robot
         .link_shapes()
         .map_err(|error| Failure::input(format!("robot file {}: {error}", args.urdf.display())))?;
+    if configurations.is_some() {
+        // Search trees are part of preparing, and no configuration's time.
+        shapes.iter().flatten().filter_map(BodyShape::model).for_each(|model| {
+            model.clusters();
+        });
+    }
     let mut checked = Arrangement::new(shapes, pairs);
     let Some(configurations) = configurations else {
         let mut description = Description::of(&args.urdf, &robot, &checked);

@@ -63,6 +63,9 @@ impl RobotCell {
             None => Default::default(),
         };
         let shapes = robot.link_shapes().map_err(io::Error::other)?;
+        shapes.iter().flatten().filter_map(BodyShape::model).for_each(|model| {
+            model.clusters();
+        });
         let links = Arrangement::new(shapes.clone(), robot.checked_pairs(&disabled.disabled_pairs));
         let pairs = links.pairs().collect();
         Ok(Self { robot, shapes, pairs })
