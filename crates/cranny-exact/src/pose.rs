@@ -298,8 +298,9 @@ impl RigidMap {
 
 fn snapped(m: DMat3) -> DMat3 {
     DMat3::from_cols_array(&m.to_cols_array().map(|x| {
-        // Entries of rotations: `round` is a call where the machine is an old one.
-        let nearest = f64::from(i8::from(x > 0.5) - i8::from(x < -0.5));
+        // Entries of rotations: `round` is a call where the machine is an old one, and integers in
+        // between keep the entries from being treated side by side.
+        let nearest = if x.abs() > 0.5 { 1.0f64.copysign(x) } else { 0.0 };
         if (x - nearest).abs() <= SNAP { nearest } else { x }
     }))
 }
@@ -325,6 +326,18 @@ mod tests {
             r.x_axis.x, r.y_axis.x, r.z_axis.x, t.x, r.x_axis.y, r.y_axis.y, r.z_axis.y, t.y,
             r.x_axis.z, r.y_axis.z, r.z_axis.z, t.z, 0.0, 0.0, 0.0, 1.0,
         ]
+    }
+
+    #[test]
+    fn only_entries_next_to_minus_one_zero_and_one_are_snapped() {
+        let entry = |x: f64| snapped(DMat3::from_diagonal(DVec3::splat(x))).y_axis.y;
+        let near = 0.5 * SNAP;
+        for (x, to) in [(1.0 - near, 1.0f64), (near - 1.0, -1.0), (near, 0.0), (-near, 0.0)] {
+            assert_eq!(entry(x).to_bits(), to.to_bits(), "{x}");
+        }
+        for x in [0.5, -0.5, 0.7, 3.0 * SNAP, 1.0 - 3.0 * SNAP, 3.0 * SNAP - 1.0] {
+            assert_eq!(entry(x), x);
+        }
     }
 
     #[test]

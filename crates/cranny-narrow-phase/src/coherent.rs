@@ -42,6 +42,12 @@ const GROWTH: f64 = 1.05;
 /// And is built anew where it reaches more than so many times the distance.
 const FARTHEST: f64 = 6.0;
 
+/// No cut for distances is followed or built after a step of more than this part of the smaller
+/// body: the faces that were nearest before are anywhere now, and a cut that reaches so far lists
+/// most clusters. Smaller: fast motion is not followed; larger: random poses take ten times as long
+/// with memory as without (`random_poses_are_measured_without_a_cut`).
+const JUMP: f64 = 0.25;
+
 /// A cut for contacts is built anew where it reaches more than so many times what is asked. Less:
 /// where margins change from query to query it does not last; more: more clusters are listed than
 /// are near.
@@ -313,7 +319,7 @@ impl Coherent {
             let step = self.last_step(pair);
             let (build, spare) = (GROWTH * limit, ahead(pair, step).1);
             let reach = Reach { least: limit, build, spare, most: FARTHEST * limit };
-            let cut = match limit < f64::INFINITY {
+            let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
                 true => self.cut.at(pair, &ground, reach, counters),
                 false => None,
             };
@@ -415,10 +421,13 @@ fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
 /// How far a cut is to reach for the next step to be proved free of meetings, and how much farther
 /// it is to look where it tests again.
 fn ahead(pair: &Pair, step: f64) -> (f64, f64) {
-    let radius = pair.model(Side::First).radius().min(pair.model(Side::Second).radius());
-    let most = MOST_AHEAD * radius;
+    let most = MOST_AHEAD * smaller_radius(pair);
     let reach = (STEPS * step).min(most);
     (reach, (SPARE_STEPS * step).min(most - reach))
+}
+
+fn smaller_radius(pair: &Pair) -> f64 {
+    pair.model(Side::First).radius().min(pair.model(Side::Second).radius())
 }
 
 /// All faces that meet, and the verdict.

@@ -21,6 +21,8 @@ pub struct Arrangement {
     pairs: Vec<WatchedPair>,
     /// The pair that was nearest last.
     nearest: Option<usize>,
+    /// Room for poses and boxes, by shape.
+    placed: (Vec<Pose>, Vec<Aabb>),
 }
 
 #[derive(Clone, Debug)]
@@ -106,7 +108,7 @@ impl Arrangement {
             Some(WatchedPair { at, shapes, memory: PairMemory::default() })
         };
         let pairs = pairs.into_iter().filter_map(watched).collect();
-        Self { shapes, pairs, nearest: None }
+        Self { shapes, pairs, nearest: None, placed: Default::default() }
     }
 
     /// The pairs that are looked at.
@@ -126,15 +128,40 @@ impl Arrangement {
             let (shapes, poses) = (self.shapes.len(), poses.len());
             return Err(ArrangementError::Poses { shapes, poses });
         }
-        let accepted = self.shapes.iter().zip(poses).enumerate().map(|(shape, (has, pose))| {
-            let read = if has.is_some() { *pose } else { Pose::IDENTITY };
-            read.accepted().map_err(|source| ArrangementError::Pose { shape, source })
-        });
-        let poses = &accepted.collect::<Result<Vec<Pose>, _>>()?;
-        let placed = self.shapes.iter().zip(poses);
-        let boxes: Vec<Aabb> = placed
-            .map(|(shape, pose)| shape.as_ref().map_or(Aabb::EMPTY, |s| world_box(s, pose, 0.0)))
-            .collect();
+        let mut placed = std::mem::take(&mut self.placed);
+        let found = self.place(poses, &mut placed).and_then(|()| self.look(&placed, wanted));
+        self.placed = placed;
+        found
+    }
+
+    /// Fills in the poses as they are taken, and the boxes of the shapes there.
+    fn place(
+        &self,
+        given: &[Pose],
+        (poses, boxes): &mut (Vec<Pose>, Vec<Aabb>),
+    ) -> Result<(), ArrangementError> {
+        poses.clear();
+        boxes.clear();
+        for (index, (shape, given)) in self.shapes.iter().zip(given).enumerate() {
+            let Some(shape) = shape else {
+                poses.push(Pose::IDENTITY);
+                boxes.push(Aabb::EMPTY);
+                continue;
+            };
+            let pose = given
+                .accepted()
+                .map_err(|source| ArrangementError::Pose { shape: index, source })?;
+            poses.push(pose);
+            boxes.push(world_box(shape, &pose, 0.0));
+        }
+        Ok(())
+    }
+
+    fn look(
+        &mut self,
+        (poses, boxes): &(Vec<Pose>, Vec<Aabb>),
+        wanted: Wanted,
+    ) -> Result<Arranged, ArrangementError> {
         let mut meeting = Vec::new();
         for pair in &mut self.pairs {
             let (a, b) = pair.at;
@@ -146,7 +173,7 @@ impl Arrangement {
         let nearest = match (wanted, meeting.first()) {
             (Wanted::Meeting, _) => None,
             (Wanted::Nearest, Some(&pair)) => Some(NearestPair { pair, distance: 0.0 }),
-            (Wanted::Nearest, None) => self.nearest_apart(poses, &boxes)?,
+            (Wanted::Nearest, None) => self.nearest_apart(poses, boxes)?,
         };
         Ok(Arranged { meeting, nearest })
     }

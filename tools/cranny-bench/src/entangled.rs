@@ -16,7 +16,6 @@ mod parry;
 mod recorded;
 mod stage;
 mod table;
-mod turns;
 
 use std::io;
 use std::path::PathBuf;
@@ -32,9 +31,9 @@ use self::parry::{Parry, Shapes};
 use self::recorded::Recordings;
 use self::stage::Stage;
 use self::table::Row;
-use self::turns::{Budget, Contestant, take_turns};
 use crate::progress;
 use crate::report::Report;
+use crate::turns::{Budget, Contestant, take_turns};
 
 /// The cases to measure, and how.
 #[derive(Clone, Debug, Args)]

@@ -18,12 +18,15 @@ mod export;
 mod hulls;
 mod pairs;
 mod prepare;
+mod python;
 mod report;
+mod robots;
 mod scenes;
 mod solid;
 mod stopwatch;
 mod support;
 mod trees;
+mod turns;
 mod walk;
 
 use std::io::{self, IsTerminal, Write};
@@ -69,6 +72,8 @@ enum Command {
     Sorting,
     /// Pairs whose hulls overlap, warm and cold, against parry's meshes and decompositions and Coal
     Entangled(entangled::EntangledArgs),
+    /// Links of robots against each other, as `cranny robot` checks them, beside FCL and Coal
+    Robots(robots::RobotsArgs),
     /// Whole scenes under our detector and under rapier's own, by `cranny compare`
     Scenes(scenes::ScenesArgs),
     /// Overlapping boxes in motion, against parry's `Bvh`
@@ -117,6 +122,7 @@ fn main() -> ExitCode {
         Command::Sorting => Ok(pairs::sorting::measure(cli.quick)),
         Command::Methods => Ok(pairs::methods::measure(cli.quick)),
         Command::Entangled(args) => return exit(compare_entangled(&cli, args)),
+        Command::Robots(args) => robots::measure(cli.quick, args),
         Command::Scenes(args) => scenes::measure(cli.quick, args),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),

@@ -40,7 +40,8 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
     check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
-    let mut warnings = [scene.warnings.clone(), overlaps::at_start(what)].concat();
+    let overlaps = overlaps::sentences(&overlaps::at_start(what));
+    let mut warnings = [scene.warnings.clone(), overlaps].concat();
     warnings.extend(without_motion(what));
     let summary = CheckSummary {
         version: 1,

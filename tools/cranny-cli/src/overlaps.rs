@@ -8,6 +8,7 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
 use cranny_world::description::{BodyDescription, BodyKind, Effect, SceneDescription};
+use serde::Serialize;
 
 /// Depth up to which an overlap is not reported, as a share of the smaller body's diagonal.
 /// Smaller: bodies that stand on each other by rounded coordinates are named; larger: a jerk in the
@@ -17,28 +18,51 @@ const SHALLOW: f64 = 1e-4;
 /// Overlaps that are listed.
 const LISTED: usize = 8;
 
-/// A sentence for each pair that overlaps, the deepest first. Bodies are [prepared](prepare).
-pub(crate) fn at_start(scene: &SceneDescription) -> Vec<String> {
+/// Two bodies that overlap where a scene begins.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct StartOverlap {
+    a: String,
+    b: String,
+    /// `None`: one lies wholly within the other.
+    depth: Option<f64>,
+}
+
+/// All pairs that overlap, the deepest first. Bodies are [prepared](prepare).
+pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
     let boxes = boxes(scene);
-    let mut found: Vec<(f64, String)> = pairs(scene, &boxes)
+    let mut found: Vec<(f64, StartOverlap)> = pairs(scene, &boxes)
         .filter_map(|(a, b)| {
             let [a, b] = [a, b].map(|body| &scene.bodies[body]);
             let depth = depth([a, b])?;
-            Some((depth, format!("{:?} and {:?} {}", a.name, b.name, words(depth))))
+            let [a, b] = [a, b].map(|body| body.name.clone());
+            Some((
+                depth,
+                StartOverlap { a, b, depth: Some(depth).filter(|depth| depth.is_finite()) },
+            ))
         })
         .collect();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    let more = found.len().saturating_sub(LISTED);
-    let listed = found.into_iter().take(LISTED).map(|(_, sentence)| sentence);
+    found.into_iter().map(|(_, overlap)| overlap).collect()
+}
+
+/// A sentence for each overlap that is listed, and one for all others.
+pub(crate) fn sentences(overlaps: &[StartOverlap]) -> Vec<String> {
+    let more = overlaps.len().saturating_sub(LISTED);
+    let listed = overlaps.iter().take(LISTED).map(StartOverlap::sentence);
     let rest = (more > 0).then(|| format!("{more} more pairs overlap at the start"));
     listed.chain(rest).collect()
 }
 
-fn words(depth: f64) -> String {
-    let advice = "the solver drives them apart. Move one, or say `collide: false` for the pair";
-    match depth.is_finite() {
-        true => format!("overlap by {depth:.6} at the start: {advice}"),
-        false => format!("are one wholly within the other at the start: {advice}"),
+impl StartOverlap {
+    fn sentence(&self) -> String {
+        let Self { a, b, depth } = self;
+        let what = match depth {
+            Some(depth) => format!("overlap by {depth:.6}"),
+            None => "are one wholly within the other".to_owned(),
+        };
+        format!(
+            "{a:?} and {b:?} {what} at the start: the solver drives them apart. Move one, or say `collide: false` for the pair"
+        )
     }
 }
 

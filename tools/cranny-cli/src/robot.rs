@@ -9,7 +9,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use cranny_ecs::check_outputs;
-use cranny_scene::robot::{read_robot, read_semantics};
+use cranny_primitives::BodyShape;
+use cranny_scene::robot::{Semantics, read_robot, read_semantics};
 use cranny_scene::{Robot, RobotError};
 use cranny_world::description::JointPositions;
 use cranny_world::{Arranged, Arrangement, Wanted};
@@ -49,13 +50,21 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     }
     // Short files first: a mistake in them is reported before meshes are read.
     let configurations = args.configurations.as_deref().map(read_configurations).transpose()?;
-    let disabled = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
+    let semantics = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
     let mut robot = read_robot(&args.urdf).map_err(|error| refused(&error))?;
     let drawn = robot.collide_as_drawn();
-    let unknown = unknown_links(&robot, &disabled);
-    let mut checked = robot
-        .self_collisions(&disabled)
+    let unknown = unknown_links(&robot, &semantics.disabled_pairs);
+    let pairs = checked_pairs(args, &robot, &semantics)?;
+    let shapes = robot
+        .link_shapes()
         .map_err(|error| Failure::input(format!("robot file {}: {error}", args.urdf.display())))?;
+    if configurations.is_some() {
+        // Search trees are part of preparing, and no configuration's time.
+        shapes.iter().flatten().filter_map(BodyShape::model).for_each(|model| {
+            model.clusters();
+        });
+    }
+    let mut checked = Arrangement::new(shapes, pairs);
     let Some(configurations) = configurations else {
         let mut description = Description::of(&args.urdf, &robot, &checked);
         if drawn {
@@ -184,12 +193,27 @@ impl<'a> ConfigurationLine<'a> {
     }
 }
 
-/// Pairs of an SRDF file.
-fn read_srdf(path: &Path) -> Result<Vec<[String; 2]>, Failure> {
+fn read_srdf(path: &Path) -> Result<Semantics, Failure> {
     let (name, text) = (path.display(), read_text("SRDF file", path)?);
-    read_semantics(&text).map(|semantics| semantics.disabled_pairs).map_err(|problem| {
+    read_semantics(&text).map_err(|problem| {
         Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
     })
+}
+
+/// Pairs of links that are checked. Of a group: those of which it moves at least one.
+fn checked_pairs(
+    args: &RobotArgs,
+    robot: &Robot,
+    semantics: &Semantics,
+) -> Result<Vec<(usize, usize)>, Failure> {
+    let mut pairs = robot.checked_pairs(&semantics.disabled_pairs);
+    let (Some(name), Some(file)) = (&args.group, &args.srdf) else { return Ok(pairs) };
+    let group = semantics
+        .group_of(robot, name)
+        .map_err(|problem| Failure::input(format!("SRDF file {}: {problem}.", file.display())))?;
+    let moved = group.moved_links(robot);
+    pairs.retain(|(a, b)| moved.contains(a) || moved.contains(b));
+    Ok(pairs)
 }
 
 /// Sentences about links that an SRDF file names and the robot does not have.

@@ -11,11 +11,12 @@ use cranny_ecs::{
     TrackedContacts, TrackingSummary, TriggerSummary, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
+use serde::Serialize;
 
 use crate::args::{DetectorArg, Format, RunArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::overlaps;
+use crate::overlaps::{self, StartOverlap};
 use crate::paths::check_output;
 use crate::progress::RunProgress;
 use crate::scene_file::load;
@@ -28,6 +29,15 @@ const LISTED: usize = 8;
 /// Smaller: motors that reach it on their way are; larger: arms that sag are not.
 const OFF: f64 = 1e-3;
 
+/// The summary for programs.
+#[derive(Serialize)]
+struct RunLine<'a> {
+    #[serde(flatten)]
+    summary: &'a RunSummary,
+    /// Bodies that overlap where the scene begins, the deepest first.
+    overlaps_at_start: Vec<StartOverlap>,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -36,7 +46,8 @@ const OFF: f64 = 1e-3;
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
     let mut scene = load(&args.scene, &args.instead.load_options())?;
     overlaps::prepare(&mut scene.description);
-    for overlap in overlaps::at_start(&scene.description) {
+    let overlaps_at_start = overlaps::at_start(&scene.description);
+    for overlap in overlaps::sentences(&overlaps_at_start) {
         tracing::warn!(scene = %args.scene.display(), "{overlap}");
     }
     let names_cameras = !scene.description.cameras.is_empty();
@@ -95,7 +106,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     progress.clear();
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {
-        Format::Json => output.json(&summary),
+        Format::Json => output.json(&RunLine { summary: &summary, overlaps_at_start }),
         Format::Text => output.line(&text(&summary)),
     }
 }

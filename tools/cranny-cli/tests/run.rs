@@ -77,6 +77,11 @@ fn the_summary_says_what_happened() {
         (&"wall".into(), &"stuck".into(), &0.into())
     );
     assert!((first["depth"].as_f64().unwrap() - 0.125).abs() < 1e-6, "{first}");
+    let [start] = line["overlaps_at_start"].as_array().unwrap().as_slice() else {
+        panic!("{line}")
+    };
+    assert_eq!((&start["a"], &start["b"]), (&"wall".into(), &"stuck".into()));
+    assert!((start["depth"].as_f64().unwrap() - 0.125).abs() < 1e-6, "{start}");
     let [trigger] = line["triggers"].as_array().unwrap().as_slice() else { panic!("{line}") };
     assert_eq!(
         (&trigger["a"], &trigger["b"], &trigger["times"]),

@@ -161,6 +161,29 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!((1..50_000).contains(&held), "{held}");
 }
 
+/// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
+/// most of the two rings.
+#[test]
+fn random_poses_are_measured_without_a_cut() {
+    let ring = shape(Torus { major_segments: 64, minor_segments: 16, ..Torus::default() });
+    let mut rng = Rng::new(5);
+    let (mut memory, mut warm, mut cold) = (PairMemory::default(), 0, 0);
+    let demand = Demand::Distance { below: None };
+    for frame in 0..200 {
+        let rotation = DQuat::from_axis_angle(rng.direction(), 3.0 * rng.unit());
+        let pose = Pose { rotation, translation: DVec3::X + 0.2 * rng.direction() };
+        let a = Placed { model: &ring, pose: Pose::IDENTITY };
+        let b = Placed { model: &ring, pose };
+        let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+        let alone = ask(a, b, demand);
+        assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
+        let work = |counters: &Counters| counters.triangle_tests + counters.node_tests;
+        warm += work(&answer.counters);
+        cold += work(&alone.counters);
+    }
+    assert!(10 * warm < 11 * cold, "{warm} of {cold}");
+}
+
 /// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross
 /// twice; slowly, the same ones do for long.
 #[test]

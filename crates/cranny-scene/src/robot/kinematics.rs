@@ -130,6 +130,12 @@ impl RobotJoint {
         self.kind.has_position()
     }
 
+    /// Whether it moves nothing.
+    #[must_use]
+    pub fn is_fixed(&self) -> bool {
+        self.kind == JointKind::Fixed
+    }
+
     /// The child's pose in the joint's frame at a position.
     #[must_use]
     pub fn joint_from_child(&self, position: f64) -> Pose {

@@ -5,6 +5,7 @@
 //! readable; drawing geometry that is missing is noted and left out.
 
 mod cylinder;
+mod group;
 mod kinematics;
 mod models;
 mod package;
@@ -21,6 +22,7 @@ use cranny_geometry::Mesh;
 use cranny_primitives::Primitive;
 use cranny_world::description::{BodyColor, JointKind, Mimic, Resistance, StatedMass};
 
+pub use group::{Member, MemberKind, RobotGroup, SemanticGroup};
 pub use kinematics::PositionError;
 pub(crate) use kinematics::about;
 pub use models::LinkModelError;
@@ -104,6 +106,12 @@ impl Robot {
     #[must_use]
     pub fn joint(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// The joint whose child a link is; the root has none.
+    #[must_use]
+    pub fn joint_above(&self, link: usize) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.child == link)
     }
 
     /// Pairs of links that a joint joins, the smaller index first, sorted. They overlap by design

@@ -38,14 +38,22 @@ impl LinkModels {
 }
 
 impl Robot {
-    /// The links with their collision geometry, and the pairs of them that are checked: all but
-    /// [adjacent](Self::adjacent_links) ones and those whose names are `disabled`, in either order.
-    /// Poses are those of [`forward_kinematics`](Self::forward_kinematics).
+    /// The links with their collision geometry, and the [pairs](Self::checked_pairs) of them that
+    /// are checked. Poses are those of [`forward_kinematics`](Self::forward_kinematics).
     ///
     /// # Errors
     ///
     /// [`LinkModelError`].
     pub fn self_collisions(&self, disabled: &[[String; 2]]) -> Result<Arrangement, LinkModelError> {
+        Ok(Arrangement::new(self.link_shapes()?, self.checked_pairs(disabled)))
+    }
+
+    /// What collides of every link, prepared, in the order of [`links`](Self::links).
+    ///
+    /// # Errors
+    ///
+    /// [`LinkModelError`].
+    pub fn link_shapes(&self) -> Result<Vec<Option<BodyShape>>, LinkModelError> {
         let mut models = LinkModels::default();
         let of_links = self.links.iter().map(|link| match link.primitive {
             Some(primitive) => Ok(Some(BodyShape::from(primitive))),
@@ -54,12 +62,17 @@ impl Robot {
                 link.collision.as_ref().map(model).transpose()
             }
         });
-        let of_links = of_links.collect::<Result<Vec<_>, _>>()?;
+        of_links.collect()
+    }
+
+    /// All pairs of links but [adjacent](Self::adjacent_links) ones and those whose names are
+    /// `disabled`, in either order. The smaller index comes first.
+    #[must_use]
+    pub fn checked_pairs(&self, disabled: &[[String; 2]]) -> Vec<(usize, usize)> {
         let mut left_out = self.adjacent_links();
         let links = disabled.iter().filter_map(|[a, b]| Some((self.link(a)?, self.link(b)?)));
         left_out.extend(links.map(|(a, b)| (a.min(b), a.max(b))));
         let pairs = (0..self.links.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-        let pairs: Vec<_> = pairs.filter(|pair| !left_out.contains(pair)).collect();
-        Ok(Arrangement::new(of_links, pairs))
+        pairs.filter(|pair| !left_out.contains(pair)).collect()
     }
 }

@@ -1,10 +1,11 @@
-//! What an SRDF file says of a robot: pairs of links never to check, and named states.
+//! What an SRDF file says of a robot: pairs of links never to check, groups, and named states.
 
 use std::collections::BTreeMap;
 
 use cranny_world::description::JointPositions;
 use roxmltree::{Document, Node};
 
+use super::group::{Member, MemberKind, SemanticGroup};
 use crate::byte_order_mark::without_mark;
 use crate::xml::nested_beyond;
 
@@ -16,9 +17,16 @@ const MAX_DEPTH: usize = 64;
 pub struct Semantics {
     /// Pairs of names of `disable_collisions`, in file order.
     pub disabled_pairs: Vec<[String; 2]>,
+    /// Groups by name; elements of one name are put together.
+    pub groups: BTreeMap<String, SemanticGroup>,
+    /// Links by the name of the `virtual_joint` that ties them to the world.
+    pub virtual_joints: BTreeMap<String, String>,
     /// Positions of joints by the name of a `group_state`; those of several groups are put
     /// together.
     pub states: BTreeMap<String, JointPositions>,
+    /// Joints with several values, as of a base that floats, by the name of a `group_state`. They
+    /// have no one position and are left out of [`states`](Self::states).
+    pub many_valued: BTreeMap<String, Vec<String>>,
 }
 
 /// Reads the text of an SRDF file.
@@ -44,17 +52,52 @@ pub fn read_semantics(text: &str) -> Result<Semantics, String> {
                 let pair = [attribute(node, "link1")?, attribute(node, "link2")?];
                 semantics.disabled_pairs.push(pair.map(str::to_owned));
             }
-            "group_state" => {
-                let state = semantics.states.entry(attribute(node, "name")?.to_owned());
-                let state = state.or_default();
-                for joint in node.children().filter(|node| node.has_tag_name("joint")) {
-                    state.insert(attribute(joint, "name")?.to_owned(), position(joint)?);
-                }
+            "group" => semantics.group(node)?,
+            "virtual_joint" => {
+                let [name, link] = [attribute(node, "name")?, attribute(node, "child_link")?];
+                semantics.virtual_joints.insert(name.to_owned(), link.to_owned());
             }
+            "group_state" => semantics.state(node)?,
             _ => {}
         }
     }
     Ok(semantics)
+}
+
+impl Semantics {
+    fn group(&mut self, node: Node<'_, '_>) -> Result<(), String> {
+        let group = self.groups.entry(attribute(node, "name")?.to_owned());
+        let group = group.or_insert_with(|| SemanticGroup::at(line(node)));
+        for child in node.children() {
+            let kind = match child.tag_name().name() {
+                "link" => MemberKind::Link(attribute(child, "name")?.to_owned()),
+                "joint" => MemberKind::Joint(attribute(child, "name")?.to_owned()),
+                "group" => MemberKind::Group(attribute(child, "name")?.to_owned()),
+                "chain" => MemberKind::Chain {
+                    base: attribute(child, "base_link")?.to_owned(),
+                    tip: attribute(child, "tip_link")?.to_owned(),
+                },
+                _ => continue,
+            };
+            group.members.push(Member { kind, line: line(child) });
+        }
+        Ok(())
+    }
+
+    fn state(&mut self, node: Node<'_, '_>) -> Result<(), String> {
+        let name = attribute(node, "name")?;
+        let state = self.states.entry(name.to_owned()).or_default();
+        for joint in node.children().filter(|node| node.has_tag_name("joint")) {
+            let of_joint = attribute(joint, "name")?.to_owned();
+            match values(joint)?.as_slice() {
+                &[position] => {
+                    state.insert(of_joint, position);
+                }
+                _ => self.many_valued.entry(name.to_owned()).or_default().push(of_joint),
+            }
+        }
+        Ok(())
+    }
 }
 
 fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
@@ -64,11 +107,13 @@ fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, String> {
     })
 }
 
-fn position(joint: Node<'_, '_>) -> Result<f64, String> {
-    let value = attribute(joint, "value")?;
-    let number = value.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| {
-        format!("line {}: the value {value:?} of a joint is no finite number", line(joint))
+/// The values of a joint, at least one.
+fn values(joint: Node<'_, '_>) -> Result<Vec<f64>, String> {
+    let written = attribute(joint, "value")?;
+    let finite = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
+    let numbers: Option<Vec<f64>> = written.split_whitespace().map(finite).collect();
+    numbers.filter(|numbers| !numbers.is_empty()).ok_or_else(|| {
+        format!("line {}: the value {written:?} of a joint is no finite number", line(joint))
     })
 }
 
@@ -102,12 +147,35 @@ mod tests {
         for (from, to, says) in [
             ("'0.5'", "'soon'", "line 2: the value \"soon\""),
             ("'0.5'", "'inf'", "line 2: the value \"inf\""),
-            ("'0.5'", "'0 0'", "line 2: the value \"0 0\""),
+            ("'0.5'", "''", "line 2: the value \"\""),
+            ("'0.5'", "'0 x'", "line 2: the value \"0 x\""),
             ("name='b' ", "", "line 3: an element 'joint' has no \"name\""),
             ("name='away' ", "", "line 4: an element 'group_state' has no \"name\""),
         ] {
             let error = read_semantics(&text.replace(from, to)).unwrap_err();
             assert!(error.contains(says), "{error}");
+        }
+    }
+
+    #[test]
+    fn joints_with_several_values_are_left_out_of_a_state() {
+        let text = "<robot name='r'><group_state name='home' group='all'>
+            <joint name='base' value='0. 0. 0.3 0. 0. 0. 1.'/><joint name='a' value='0.5'/>
+            </group_state></robot>";
+        let semantics = read_semantics(text).unwrap();
+        assert_eq!(semantics.states["home"], JointPositions::from([("a".to_owned(), 0.5)]));
+        assert_eq!(semantics.many_valued["home"], ["base"]);
+    }
+
+    #[test]
+    fn half_a_member_of_a_group_is_refused_with_its_line() {
+        for (member, says) in [
+            ("<link/>", "line 2: an element 'link' has no \"name\""),
+            ("<chain base_link='a'/>", "line 2: an element 'chain' has no \"tip_link\""),
+            ("<group/>", "line 2: an element 'group' has no \"name\""),
+        ] {
+            let text = format!("<robot name='r'><group name='g'>\n{member}</group></robot>");
+            assert_eq!(read_semantics(&text).unwrap_err(), says);
         }
     }
 }

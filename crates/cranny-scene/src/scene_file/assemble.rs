@@ -1,7 +1,7 @@
 //! From what a file says to a description: meshes read, names resolved, everything checked that
 //! only shows when the whole is known.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,7 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
     let mut assembly = Assembly {
         source: own.source(),
         description: described(own, options),
+        groups: BTreeMap::new(),
         piles: 0,
         shapes: Vec::new(),
         drawn: Vec::new(),
@@ -37,9 +38,19 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
         notes: included.iter().filter_map(note_of_included).collect(),
         warnings: Vec::new(),
     };
-    for sheet in included.iter().chain([own]) {
+    let all = || included.iter().chain([own]);
+    for sheet in all() {
         assembly.turn_to(sheet);
-        assembly.add(&sheet.scene)?;
+        assembly.add_standing(&sheet.scene)?;
+    }
+    // Groups keep clear of what stands there, whichever file says so.
+    for sheet in all() {
+        assembly.turn_to(sheet);
+        assembly.add_groups(&sheet.scene)?;
+    }
+    for sheet in all() {
+        assembly.turn_to(sheet);
+        assembly.add_relations(&sheet.scene)?;
     }
     for sheet in [own].into_iter().chain(included) {
         assembly.turn_to(sheet);
@@ -104,9 +115,14 @@ impl Source<'_> {
     }
 }
 
+/// Bodies of a group, or why it has none.
+pub(super) type GroupBodies = Result<Vec<usize>, String>;
+
 pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
+    /// By name: piles and grids, and groups of SRDF files as `<robot>/<group>`.
+    pub(super) groups: BTreeMap<String, GroupBodies>,
     /// Piles so far.
     pub(super) piles: u64,
     /// Geometry made so far: bodies of one shape share it.
@@ -132,14 +148,23 @@ impl<'a> Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Adds what a file says to what the files before it have said.
-    fn add(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
+    /// Adds the bodies of a file that have places.
+    fn add_standing(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
         scene.bodies.iter().try_for_each(|body| self.body(body))?;
         scene.robots.iter().try_for_each(|robot| place_robot::place(self, robot))?;
-        // Last, since groups keep clear of what stands there.
+        self.check_body_names()?;
+        self.check_effects_of_primitives()
+    }
+
+    /// Adds the bodies of a file that are made by rule.
+    fn add_groups(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
         scene.groups.iter().try_for_each(|group| self.group(group))?;
         self.check_body_names()?;
-        self.check_effects_of_primitives()?;
+        self.check_effects_of_primitives()
+    }
+
+    /// Adds what a file says of bodies that are there.
+    fn add_relations(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
         scene.joints.iter().try_for_each(|joint| self.joint(joint))?;
         self.check_joint_names()?;
         scene.pairs.iter().try_for_each(|pair| self.pair(pair))
@@ -354,39 +379,76 @@ impl Assembly<'_> {
                 n if n > NAMED => format!("{} and {} more", names.join(", "), n - NAMED),
                 _ => names.join(", "),
             };
+            let groups: Vec<_> = self.groups.keys().map(|name| format!("{name:?}")).collect();
+            let known = match groups.len() {
+                0 => known,
+                _ => format!("{known}, and the groups {}", groups.join(", ")),
+            };
             let problem = SceneProblem::UnknownBody { name: name.to_owned(), known };
             self.source.error(self.source.find(field, name), problem)
         })
     }
 
+    /// The bodies of a name: the one of that name, else those of the group.
+    fn bodies_of(&self, field: &str, name: &str) -> Result<Vec<usize>, SceneError> {
+        match (self.index_of(field, name), self.groups.get(name)) {
+            (Ok(body), _) => Ok(vec![body]),
+            (Err(_), Some(Ok(bodies))) => Ok(bodies.clone()),
+            (Err(_), Some(Err(why))) => {
+                let place = self.source.find(field, name);
+                Err(self.source.error(place, SceneProblem::Contradiction(why.clone())))
+            }
+            (Err(unknown), None) => Err(unknown),
+        }
+    }
+
     fn pair(&mut self, pair: &PairFile) -> Result<(), SceneError> {
-        let a = self.index_of("a", &pair.a)?;
-        let b = self.index_of("b", &pair.b)?;
-        if a == b {
-            let what = format!("a pair names {:?} twice: a body does not meet itself", pair.a);
+        let refused = |what: String| {
             let place = self.source.find("b", &pair.b);
-            return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+            self.source.error(place, SceneProblem::Contradiction(what))
+        };
+        let [of_a, of_b] = [self.bodies_of("a", &pair.a)?, self.bodies_of("b", &pair.b)?];
+        let mut known = BTreeSet::new();
+        let pairs = of_a.iter().flat_map(|&a| of_b.iter().map(move |&b| (a, b)));
+        let pairs: Vec<_> =
+            pairs.filter(|&(a, b)| a != b && known.insert((a.min(b), a.max(b)))).collect();
+        if pairs.is_empty() {
+            let what = match of_a.len().max(of_b.len()) {
+                1 => format!("a pair names {:?} twice: a body does not meet itself", pair.a),
+                _ => format!("the groups {:?} and {:?} have no two bodies", pair.a, pair.b),
+            };
+            return Err(refused(what));
+        }
+        if !pair.collide && (!pair.effects.is_empty() || pair.accuracy.is_some()) {
+            let has = if pair.effects.is_empty() { "an accuracy" } else { "effects" };
+            return Err(refused(format!(
+                "the pair {:?} and {:?} has {has}, but `collide: false` keeps it from meeting. Keep one of the two",
+                pair.a, pair.b
+            )));
         }
         if !pair.collide {
-            if !pair.effects.is_empty() || pair.accuracy.is_some() {
-                let has = if pair.effects.is_empty() { "an accuracy" } else { "effects" };
-                let what = format!(
-                    "the pair {:?} and {:?} has {has}, but `collide: false` keeps it from meeting. Keep one of the two",
-                    pair.a, pair.b
-                );
-                let place = self.source.find("b", &pair.b);
-                return Err(self.source.error(place, SceneProblem::Contradiction(what)));
-            }
-            self.description.excluded_pairs.push((a.min(b), a.max(b)));
+            self.description.excluded_pairs.extend(known);
             return Ok(());
         }
-        self.description.pairs.push(PairDescription {
-            a: pair.a.clone(),
-            b: pair.b.clone(),
+        // The members of a group that never meet have no effects.
+        let is_single = pairs.len() == 1;
+        for (a, b) in pairs {
+            if is_single || !self.description.excluded_pairs.contains(&(a.min(b), a.max(b))) {
+                self.add_pair(a, b, pair);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_pair(&mut self, a: usize, b: usize, pair: &PairFile) {
+        let name = |body: usize| self.description.bodies[body].name.clone();
+        let described = PairDescription {
+            a: name(a),
+            b: name(b),
             effects: effects(&pair.effects),
             accuracy: pair.accuracy.map(AccuracyFile::level),
-        });
-        Ok(())
+        };
+        self.description.pairs.push(described);
     }
 
     fn camera(&mut self, camera: &CameraFile) -> Result<(), SceneError> {

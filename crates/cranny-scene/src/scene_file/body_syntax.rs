@@ -62,6 +62,9 @@ pub(super) enum ShapeFile {
     /// Relative to the scene file; factors along the axes, negative ones mirror.
     Mesh {
         path: String,
+        /// In which its lengths are, to be converted to metres; else they stay as they are.
+        #[serde(default)]
+        units: Option<UnitsFile>,
         #[serde(default = "unscaled")]
         scale: Scale,
         /// Whether the middle of its box, after scaling, is moved to the body's origin.
@@ -74,6 +77,30 @@ pub(super) enum ShapeFile {
     Generator(Shape),
     /// What a few numbers say, and not tessellated.
     Primitive(PrimitiveFile),
+}
+
+/// In which unit of length a mesh file is.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Units")]
+pub(super) enum UnitsFile {
+    Metres,
+    Centimetres,
+    Millimetres,
+    Inches,
+    Feet,
+}
+
+impl UnitsFile {
+    /// Metres a unit.
+    pub(super) fn metres(self) -> f64 {
+        match self {
+            Self::Metres => 1.0,
+            Self::Centimetres => 0.01,
+            Self::Millimetres => 0.001,
+            Self::Inches => 0.0254,
+            Self::Feet => 0.3048,
+        }
+    }
 }
 
 /// What of a mesh may be mended.
@@ -233,7 +260,7 @@ pub(super) struct KeyframeFile {
 }
 
 /// Positions of a joint at times.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "MotorPath")]
 pub(super) struct MotorPathFile {
     keyframes: Vec<MotorKeyframeFile>,

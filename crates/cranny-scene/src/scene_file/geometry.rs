@@ -10,10 +10,10 @@ use cranny_primitives::{BodyShape, Primitive};
 use cranny_shapes::primitive_mesh;
 
 use super::assemble::Assembly;
-use super::body_syntax::{RepairFile, ShapeFile};
+use super::body_syntax::{RepairFile, ShapeFile, UnitsFile};
 use super::primitive::PrimitiveFile;
 use super::problem::{SceneError, SceneProblem};
-use crate::mesh_file::{is_saved_model, read_mesh};
+use crate::mesh_file::{MeshFormat, is_saved_model, read_mesh};
 
 /// What collides of a body.
 #[derive(Clone, Debug)]
@@ -57,23 +57,26 @@ impl Assembly<'_> {
                 })?;
                 CollisionGeometry { mesh: Arc::new(mesh), shape: None }
             }
-            ShapeFile::Mesh { path, scale, recenter, repair }
+            ShapeFile::Mesh { path, units, scale, recenter, repair }
                 if is_saved_model(Path::new(path)) =>
             {
-                let is_as_saved =
-                    scale.0 == DVec3::ONE && !recenter && *repair == RepairFile::default();
+                let is_as_saved = units.is_none()
+                    && scale.0 == DVec3::ONE
+                    && !recenter
+                    && *repair == RepairFile::default();
                 if !is_as_saved {
                     return Err(self.contradicted(
                         body,
                         format!(
-                            "{path} is a saved model, which is as it was prepared. Leave out `scale`, `recenter` and `repair`, or name the mesh"
+                            "{path} is a saved model, which is as it was prepared. Leave out `units`, `scale`, `recenter` and `repair`, or name the mesh"
                         ),
                     ));
                 }
                 self.saved_model(body, path)?
             }
-            ShapeFile::Mesh { path, scale, recenter, repair } => {
-                let mesh = self.mesh_file(body, path, scale.0, *recenter)?;
+            ShapeFile::Mesh { path, units, scale, recenter, repair } => {
+                let factors = self.factors(body, path, *units, scale.0)?;
+                let mesh = self.mesh_file(body, path, factors, *recenter)?;
                 self.mended(body, path, mesh, (*repair).into())?
             }
         };
@@ -98,7 +101,7 @@ impl Assembly<'_> {
 
     /// What is drawn, of a shape: as filed.
     pub(super) fn drawn(&mut self, body: &str, shape: &ShapeFile) -> Result<Arc<Mesh>, SceneError> {
-        let ShapeFile::Mesh { path, scale, recenter, .. } = shape else {
+        let ShapeFile::Mesh { path, units, scale, recenter, .. } = shape else {
             return Ok(self.geometry(body, shape)?.mesh);
         };
         if is_saved_model(Path::new(path)) {
@@ -107,7 +110,8 @@ impl Assembly<'_> {
         if let Some((_, known)) = self.drawn.iter().find(|(known, _)| known == shape) {
             return Ok(Arc::clone(known));
         }
-        let mesh = Arc::new(self.mesh_file(body, path, scale.0, *recenter)?);
+        let factors = self.factors(body, path, *units, scale.0)?;
+        let mesh = Arc::new(self.mesh_file(body, path, factors, *recenter)?);
         self.drawn.push((shape.clone(), Arc::clone(&mesh)));
         Ok(mesh)
     }
@@ -125,6 +129,29 @@ impl Assembly<'_> {
         let model = Model::decode(&bytes).map_err(|error| refuse(error.to_string()))?;
         self.add_file(path);
         Ok(CollisionGeometry::of_model(model))
+    }
+
+    /// The factors of a mesh file: those of its unit and those that its scene states.
+    ///
+    /// # Errors
+    ///
+    /// A unit of a file whose format has its own.
+    fn factors(
+        &self,
+        body: &str,
+        path: &str,
+        units: Option<UnitsFile>,
+        scale: DVec3,
+    ) -> Result<DVec3, SceneError> {
+        let Some(units) = units else { return Ok(scale) };
+        let own = match MeshFormat::of_path(Path::new(path)) {
+            Some(MeshFormat::Gltf) => "is in metres by its format",
+            Some(MeshFormat::Collada) => "names its unit itself, and is read in metres",
+            _ => return Ok(scale * units.metres()),
+        };
+        let what =
+            format!("{path} {own}. Leave `units` out, or use `scale` where the file is wrong");
+        Err(self.contradicted(body, what))
     }
 
     /// The mesh of a file, scaled, and moved so that the middle of its box is the origin.

@@ -171,7 +171,10 @@ impl Assembly<'_> {
             layers: of.layers.to_vec(),
             effects: effects(of.effects),
         };
+        let first = self.description.bodies.len();
         self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
+        let members = (first..self.description.bodies.len()).collect();
+        self.groups.insert(of.name.to_owned(), Ok(members));
     }
 }
 

@@ -39,6 +39,8 @@ mod place_joint;
 mod place_robot;
 mod primitive;
 mod problem;
+#[cfg(test)]
+mod reference;
 mod sensors;
 mod setting;
 mod syntax;

@@ -9,9 +9,9 @@ mod groups;
 mod masses;
 mod paths;
 mod self_collisions;
+mod semantics;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
@@ -28,7 +28,7 @@ use super::assemble::{Assembly, is_mesh};
 use super::motor_path::Drive;
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{RobotFile, effects};
-use crate::robot::{LinkModels, Robot, Semantics, read_robot, read_semantics};
+use crate::robot::{LinkModels, Robot, read_robot};
 
 /// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
 /// it has no weight beside the last digits in single precision; larger: an arm feels it.
@@ -65,9 +65,11 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         let what = format!("robot {name:?}: {problem}");
         source.error(place.clone(), SceneProblem::Contradiction(what))
     };
-    let semantics = semantics(assembly, file).map_err(refuse)?;
+    let semantics = semantics::read(assembly, file).map_err(refuse)?;
+    let file = &semantics::with_motors_of_groups(file, &semantics, &robot).map_err(refuse)?;
     let paths = paths_of(file, &robot, &mut warnings).map_err(refuse)?;
-    let mut positions = of_state(&semantics, file, &robot).map_err(refuse)?;
+    let mut positions =
+        semantics::positions_of_state(&semantics, file, &robot, &mut warnings).map_err(refuse)?;
     positions.extend(paths.iter().map(|(joint, path)| (joint.clone(), path.position_at(0.0))));
     positions.extend(numbers(&file.positions));
     let targets = numbers(&file.targets);
@@ -115,6 +117,9 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     placing.build(&world_from_links, &starts, &targets).map_err(refuse)?;
     let excluded = placing.excluded(&semantics.disabled_pairs).map_err(refuse)?;
     placing.warn_of_meetings(&world_from_root, &positions, &excluded).map_err(refuse)?;
+    for (group, members) in placing.bodies_of_groups(&semantics) {
+        assembly.groups.entry(format!("{name}/{group}")).or_insert(members);
+    }
     let Placing { bodies, joints, warnings, .. } = placing;
     assembly.description.bodies.extend(bodies);
     assembly.description.joints.extend(joints);
@@ -122,38 +127,6 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     assembly.warnings.extend(warnings.iter().map(|what| format!("{}: {what}", path.display())));
     robot.files.into_iter().for_each(|file| assembly.add_file(file));
     Ok(())
-}
-
-/// What the SRDF file says, if one is named.
-fn semantics(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<Semantics, String> {
-    let Some(srdf) = &file.srdf else { return Ok(Semantics::default()) };
-    let path = assembly.source.resolve(srdf);
-    let text = fs::read_to_string(&path).map_err(|error| error.to_string());
-    let semantics = text.and_then(|text| read_semantics(&text));
-    let semantics =
-        semantics.map_err(|problem| format!("SRDF file {}: {problem}", path.display()))?;
-    assembly.add_file(path);
-    Ok(semantics)
-}
-
-/// Where the state that is named has joints, but for those that follow others.
-fn of_state(
-    semantics: &Semantics,
-    file: &RobotFile,
-    robot: &Robot,
-) -> Result<JointPositions, String> {
-    let Some(name) = &file.state else { return Ok(JointPositions::new()) };
-    let srdf = file.srdf.as_ref().ok_or_else(|| {
-        format!("it starts in the state {name:?}, but names no `srdf`. Name the file that has it")
-    })?;
-    let state = semantics.states.get(name).ok_or_else(|| {
-        let known: Vec<_> = semantics.states.keys().map(String::as_str).collect();
-        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        format!("{srdf} has no state {name:?}. Its states are {known}")
-    })?;
-    let follows = |joint: &str| robot.joint(joint).is_some_and(|j| robot.joints[j].mimic.is_some());
-    let own = state.iter().filter(|(joint, _)| !follows(joint));
-    Ok(own.map(|(joint, value)| (joint.clone(), *value)).collect())
 }
 
 fn numbers(values: &BTreeMap<String, super::values::Finite>) -> JointPositions {

@@ -223,7 +223,7 @@ pub(super) struct RegionFile {
 }
 
 /// A robot: bodies `<name>/<link>`.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Robot")]
 pub(super) struct RobotFile {
     /// Of a URDF file, relative to the scene file.

@@ -62,13 +62,13 @@ fn what_a_scene_includes_is_added_and_the_rest_is_its_own() {
     let loaded = files.load(Vec::new()).unwrap();
     let scene = &loaded.description;
     let names: Vec<_> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
-    assert_eq!(names, ["floor", "p_0", "p_1", "cup"]);
+    assert_eq!(names, ["floor", "cup", "p_0", "p_1"]);
     assert_eq!((scene.gravity.z, &scene.effects[..]), (-9.81, &[Effect::Response][..]));
-    assert_eq!((scene.joints[0].parent, scene.joints[0].child), (0, 3));
+    assert_eq!((scene.joints[0].parent, scene.joints[0].child), (0, 1));
     let cameras: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
     assert_eq!(cameras, ["main", "door"]);
     // Paths are relative to the file that names them.
-    let widths = [0, 3].map(|body: usize| scene.bodies[body].collision.bounds().max.x);
+    let widths = [0, 1].map(|body: usize| scene.bodies[body].collision.bounds().max.x);
     assert_eq!(widths, [7.0, 1.0]);
     let named = ["house/room.ron", "house/u.obj", "u.obj"].map(|name| files.path(name));
     assert_eq!(loaded.files, named);
@@ -81,6 +81,29 @@ fn what_a_scene_includes_is_added_and_the_rest_is_its_own() {
         (loaded.source_text.as_str(), &loaded.included_texts[..]),
         (SCENE, &[ROOM.to_owned()][..])
     );
+}
+
+#[test]
+fn groups_keep_clear_of_the_bodies_of_every_file() {
+    let block = "(name: \"block\", shape: Generator(Cuboid(size: (4, 4, 4))), kind: Fixed)";
+    let grid = "Grid(name: \"g\", count: (3, 1, 1), spacing: (3, 1, 1), shapes: [Generator(Cuboid())], kind: Fixed)";
+    let files = Files::new();
+    for (included, own) in [(block, ""), ("", block)] {
+        let groups = |bodies: &str| if bodies.is_empty() { grid } else { "" };
+        let text = |bodies: &str, more: &str| {
+            format!("({more}bodies: [{bodies}], groups: [{}])", groups(bodies))
+        };
+        files.write("house/room.ron", &text(included, ""));
+        files.write("s.ron", &text(own, "includes: [\"house/room.ron\"], "));
+        let loaded = files.load(Vec::new()).unwrap();
+        // The first of three stands in the block.
+        assert_eq!(loaded.description.bodies.len(), 3);
+        let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+        assert!(
+            warning.contains("1 of its 3 bodies") && warning.contains("\"block\""),
+            "{warning}"
+        );
+    }
 }
 
 #[test]

@@ -621,6 +621,61 @@ fn a_robot_starts_in_a_named_state_of_its_srdf() {
 }
 
 #[test]
+fn a_state_leaves_out_joints_with_several_values_and_says_so() {
+    let files = Files::new();
+    let srdf = "<robot name=\"r\"><group_state name=\"up\" group=\"g\"><joint name=\"base\" value=\"0 0 1 0 0 0 1\"/><joint name=\"turn\" value=\"0.75\"/></group_state></robot>";
+    std::fs::write(files.folder.path().join("r.srdf"), srdf).unwrap();
+    let loaded = files.loaded(&arm(), "srdf: \"r.srdf\", state: \"up\"").unwrap();
+    assert_eq!(held(&loaded.description.joints[0]), Some(0.75));
+    let says = "the state \"up\" of r.srdf gives several values each to \"base\"";
+    assert!(loaded.warnings.iter().any(|what| what.contains(says)), "{:?}", loaded.warnings);
+    let silent = files.loaded(&arm(), "srdf: \"r.srdf\"").unwrap().warnings;
+    assert!(!silent.iter().any(|what| what.contains("several values")), "{silent:?}");
+}
+
+#[test]
+fn groups_of_an_srdf_stand_for_their_links_and_joints() {
+    let files = Files::new();
+    let srdf = "<robot name=\"r\">\n<group name=\"all\"><joint name=\"turn\"/><joint name=\"slide\"/></group>\n<group name=\"hand\"><link name=\"b\"/><link name=\"c\"/></group>\n<group name=\"lost\"><link name=\"z\"/></group></robot>";
+    std::fs::write(files.folder.path().join("r.srdf"), srdf).unwrap();
+    let motor = |robot: &str| {
+        let scene = files.scene(&arm(), &format!("srdf: \"r.srdf\", {robot}"))?;
+        let gains = scene.joints.iter().map(|joint| joint.motor.and_then(|motor| motor.damping));
+        Ok(gains.collect::<Vec<_>>())
+    };
+    let refused = |result: Result<Vec<Option<f64>>, SceneError>| result.unwrap_err().to_string();
+    assert_eq!(motor("motors: {\"all\": (damping: 7)}").unwrap()[..2], [Some(7.0); 2]);
+    let own = motor("motors: {\"all\": (damping: 7), \"turn\": (damping: 3)}").unwrap();
+    assert_eq!(own[..2], [Some(3.0), Some(7.0)]);
+    let twice = refused(motor("motors: {\"all\": (damping: 7), \"hand\": (damping: 3)}"));
+    assert!(
+        twice.contains("groups \"all\" and \"hand\", which both have the joint \"slide\""),
+        "{twice}"
+    );
+    let lost = refused(motor("motors: {\"lost\": ()}"));
+    assert!(lost.contains("r.srdf: line 4: the group \"lost\" names the link \"z\""), "{lost}");
+    let none = refused(motor("motors: {\"elbow\": ()}"));
+    assert!(none.contains("no joint \"elbow\""), "{none}");
+    let pairs = |pair: &str| {
+        std::fs::write(files.path(), arm()).unwrap();
+        let robot =
+            "path: \"pkg/urdf/r.urdf\", name: \"r\", srdf: \"r.srdf\", self_collisions: All";
+        let floor = "(name: \"floor\", shape: Generator(Cuboid()), kind: Fixed)";
+        let text = format!("(bodies: [{floor}], robots: [({robot})], pairs: [({pair})])");
+        let at = files.folder.path().join("s.ron");
+        parse_scene(text, &at, &LoadOptions::default()).map(|loaded| loaded.description)
+    };
+    // Bodies: the floor, root, a, b, c.
+    let apart = pairs("a: \"r/hand\", b: \"floor\", collide: false").unwrap();
+    assert_eq!(apart.excluded_pairs, [(0, 3), (0, 4)]);
+    let lost = pairs("a: \"floor\", b: \"r/lost\"").unwrap_err().to_string();
+    assert!(
+        lost.contains("r.srdf: line 4: the group \"lost\"") && lost.contains("s.ron, line 1"),
+        "{lost}"
+    );
+}
+
+#[test]
 fn links_that_meet_at_rest_are_left_out_and_said() {
     let files = Files::new();
     // b slides from 1 away to a's place; c lies in a, and meets nothing else.

@@ -1,6 +1,6 @@
-//! `docs/scenes.md` says everything that a scene may say, and its examples are right.
+//! The examples and settings of `docs/scenes.md` are right. That the page names every field and
+//! variant is a test of `scene_file::reference`.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,36 +39,10 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     (folder, scene)
 }
 
-fn error(text: &str) -> String {
-    let (_folder, path) = folder();
-    let parsed = parse_scene(text.to_owned(), &path, &LoadOptions::default());
-    parsed.err().map(|error| error.to_string()).unwrap_or_default()
-}
-
-/// The fields that a text with an unknown one is answered with.
-fn fields(text: &str) -> BTreeSet<String> {
-    let error = error(text);
-    let (_, listed) = error.rsplit_once("expected").unwrap_or_else(|| panic!("{text}: {error}"));
-    listed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
-}
-
 fn section_of_page(name: &str) -> String {
     let page = page();
     let (_, section) = page.split_once(&format!("\n## {name}\n")).unwrap();
     section.split("\n## ").next().unwrap().to_owned()
-}
-
-#[test]
-fn every_effect_is_on_the_page() {
-    let error = error("(effects: [Zzz()])");
-    let (_, listed) = error.split_once("available are ").unwrap();
-    let names: Vec<&str> =
-        listed.split(", ").take_while(|name| !name.starts_with("and ")).collect();
-    assert!(names.len() >= 5, "{error}");
-    let section = section_of_page("Effects");
-    for name in names {
-        assert!(section.contains(&format!("`{name}(")), "{name}");
-    }
 }
 
 #[test]
@@ -100,73 +74,5 @@ fn every_example_of_the_page_is_a_scene() {
         let (text, _) = text.split_once("```").unwrap();
         let parsed = parse_scene(text.to_owned(), &path, &LoadOptions::default());
         parsed.unwrap_or_else(|error| panic!("{error}\n{text}"));
-    }
-}
-
-#[test]
-fn every_field_that_is_read_is_on_the_page() {
-    let body = "name: \"a\", shape: Generator(Cuboid())";
-    let scene = |inside: &str| format!("(bodies: [({body}, {inside})])");
-    let asked = [
-        ("Scene", "(zzz: 1)".to_owned()),
-        ("Bodies", "(bodies: [(zzz: 1)])".to_owned()),
-        ("Bodies", scene("velocity: (zzz: 1)")),
-        ("Bodies", scene("material: (zzz: 1)")),
-        ("Bodies", scene("kind: Zzz")),
-        ("Bodies", scene("normals: Zzz")),
-        ("Bodies", scene("normals: Smooth(zzz: 1)")),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Mesh(zzz: 1))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Zzz())])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Mesh(repair: Zzz))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(Zzz()))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(Ball(zzz: 1)))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(Capsule(zzz: 1)))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(Cylinder(zzz: 1)))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(Cone(zzz: 1)))])".to_owned()),
-        ("Shapes", "(bodies: [(name: \"a\", shape: Primitive(HalfSpace(zzz: 1)))])".to_owned()),
-        ("Masses", scene("mass: Zzz()")),
-        ("Masses", scene("mass: Shell(zzz: 1)")),
-        ("Masses", scene("mass: Stated(zzz: 1)")),
-        ("Poses", scene("pose: (zzz: 1)")),
-        ("Poses", scene("pose: (turn: (zzz: 1))")),
-        ("Paths", scene("path: (zzz: 1)")),
-        ("Paths", scene("path: (keyframes: [(zzz: 1)])")),
-        ("Paths", scene("path: (keyframes: [], interpolation: Zzz)")),
-        ("Paths", scene("path: (keyframes: [], end: Zzz)")),
-        ("Accuracy", "(accuracy: Zzz)".to_owned()),
-        ("Effects", "(effects: [Trigger(zzz: 1)])".to_owned()),
-        ("Effects", "(effects: [Proximity(zzz: 1)])".to_owned()),
-        ("Trackers", scene("tracker: (zzz: 1)")),
-        ("Trackers", scene("tracker: (smoothing: (zzz: 1))")),
-        ("Trackers", scene("tracker: (device: (zzz: 1))")),
-        ("Groups", "(groups: [Pile(zzz: 1)])".to_owned()),
-        ("Groups", "(groups: [Grid(zzz: 1)])".to_owned()),
-        ("Groups", "(groups: [Zzz(zzz: 1)])".to_owned()),
-        ("Groups", "(groups: [Pile(region: (zzz: 1))])".to_owned()),
-        ("Robots", "(robots: [(zzz: 1)])".to_owned()),
-        ("Robots", "(robots: [(motors: {\"a\": (zzz: 1)})])".to_owned()),
-        ("Joints", "(robots: [(paths: {\"a\": (zzz: 1)})])".to_owned()),
-        ("Joints", "(joints: [(path: (keyframes: [(zzz: 1)]))])".to_owned()),
-        ("Robots", "(robots: [(self_collisions: Zzz)])".to_owned()),
-        ("Joints", "(joints: [(zzz: 1)])".to_owned()),
-        ("Joints", "(joints: [(kind: Zzz())])".to_owned()),
-        ("Joints", "(joints: [(kind: Revolute(zzz: 1))])".to_owned()),
-        ("Joints", "(joints: [(kind: Rope(zzz: 1))])".to_owned()),
-        ("Joints", "(joints: [(kind: Spring(zzz: 1))])".to_owned()),
-        ("Pairs", "(pairs: [(zzz: 1)])".to_owned()),
-        ("Cameras", "(cameras: [(zzz: 1)])".to_owned()),
-        ("Cameras", "(cameras: [(preset: Zzz)])".to_owned()),
-        ("Cameras", "(cameras: [(look_at: (zzz: 1))])".to_owned()),
-        ("Scene", "(record: (zzz: 1))".to_owned()),
-    ];
-    for (section, text) in asked {
-        let of_section = section_of_page(section);
-        let fields = fields(&text);
-        assert!(!fields.is_empty(), "{text}");
-        for field in fields {
-            let named = [format!("`{field}`"), format!("`{field}("), format!("{field}:")];
-            let is_there = named.iter().any(|name| of_section.contains(name.as_str()));
-            assert!(is_there, "{section} does not name {field:?}");
-        }
     }
 }

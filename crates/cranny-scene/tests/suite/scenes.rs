@@ -542,6 +542,64 @@ fn one_factor_stands_for_three_and_a_mesh_is_recentred() {
 }
 
 #[test]
+fn a_mesh_in_another_unit_is_converted_to_metres() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).unwrap();
+    let widths = |file: &str, fields: &str| {
+        let shape = format!("Mesh(path: \"{file}\", {fields})");
+        let text = format!("(bodies: [(name: \"a\", shape: {shape}, visual: {shape})])");
+        let parsed = parse_scene(text, &folder.path().join("s.ron"), &LoadOptions::default());
+        parsed.map_err(|error| error.to_string()).map(|loaded| {
+            let body = &loaded.description.bodies[0];
+            [&body.collision, body.visual.as_ref().unwrap()].map(|mesh| mesh.bounds().max.x)
+        })
+    };
+    for (units, width) in [
+        ("Metres", 4.0),
+        ("Centimetres", 0.04),
+        ("Millimetres", 0.004),
+        ("Inches", 0.1016),
+        ("Feet", 1.2192),
+    ] {
+        assert_eq!(widths("m.obj", &format!("units: {units}")), Ok([width; 2]), "{units}");
+    }
+    let both = widths("m.obj", "units: Millimetres, scale: (2, 1, -1)");
+    assert_eq!(both, Ok([0.008; 2]));
+    let unknown = widths("m.obj", "units: Furlongs").unwrap_err();
+    assert!(unknown.contains("line 1") && unknown.contains("Millimetres"), "{unknown}");
+    for (file, says) in [
+        ("m.glb", "m.glb is in metres by its format. Leave `units` out"),
+        ("m.gltf", "m.gltf is in metres by its format"),
+        ("m.dae", "m.dae names its unit itself"),
+        ("m.cranny", "m.cranny is a saved model, which is as it was prepared. Leave out `units`"),
+    ] {
+        let refused = widths(file, "units: Millimetres").unwrap_err();
+        assert!(refused.contains(says) && refused.contains("line 1"), "{refused}");
+    }
+}
+
+#[test]
+fn a_pair_may_name_all_bodies_of_a_group() {
+    let scene = |pair: &str| {
+        let grid = "Grid(name: \"brick\", count: (3, 1, 1), spacing: (2, 1, 1), shapes: [Generator(Cuboid())])";
+        let floor =
+            "(name: \"floor\", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (0, 0, -5)))";
+        let text = format!("(bodies: [{floor}], groups: [{grid}], pairs: [({pair})])");
+        parse(&text).map(|loaded| loaded.description)
+    };
+    let apart = scene("a: \"brick\", b: \"floor\", collide: false").unwrap();
+    assert_eq!(apart.excluded_pairs, [(0, 1), (0, 2), (0, 3)]);
+    let own = scene("a: \"brick\", b: \"brick\", collide: false").unwrap();
+    assert_eq!(own.excluded_pairs, [(1, 2), (1, 3), (2, 3)]);
+    let noticed = scene("a: \"floor\", b: \"brick\", effects: [Trigger()]").unwrap();
+    let names: Vec<_> = noticed.pairs.iter().map(|pair| [&pair.a[..], &pair.b]).collect();
+    assert_eq!(names, [["floor", "brick_0"], ["floor", "brick_1"], ["floor", "brick_2"]]);
+    let unknown = scene("a: \"bricks\", b: \"floor\"").unwrap_err().to_string();
+    assert!(unknown.contains("no body \"bricks\"") && unknown.contains("\"brick\""), "{unknown}");
+}
+
+#[test]
 fn a_pair_may_be_kept_apart_and_a_body_only_noticed() {
     let scene = |pair: &str| {
         let body = |name: &str| {

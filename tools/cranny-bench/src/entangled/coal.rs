@@ -2,77 +2,34 @@
 //!
 //! It runs in a process of its own: a turn is a line of JSON each way.
 
-use std::io::{self, BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::io;
 
 use cranny_geometry::Mesh;
 use serde_json::{Value, json};
 
 use super::demand::DemandKind;
 use super::stage::Stage;
-use super::turns::Contestant;
+use crate::python::Python;
+use crate::turns::Contestant;
 
 /// The process that calls Coal.
 const SCRIPT: &str = include_str!("coal.py");
 
-/// Names the interpreter that has Coal; `python3` unless set.
-const PYTHON: &str = "CRANNY_PYTHON";
-
 /// A process with the meshes and poses of a stage.
-pub(super) struct Coal {
-    child: Child,
-    /// Dropped first, which ends the process.
-    input: Option<ChildStdin>,
-    output: BufReader<ChildStdout>,
-}
+pub(super) struct Coal(Python);
 
 impl Coal {
     /// Returns whether the interpreter has Coal.
     pub(super) fn is_found() -> bool {
-        let mut command = Command::new(python());
-        command.args(["-c", "import coal, numpy"]).stdout(Stdio::null()).stderr(Stdio::null());
-        command.status().is_ok_and(|status| status.success())
+        Python::has("coal")
     }
 
     /// # Errors
     ///
     /// An interpreter that does not start.
     pub(super) fn start(stage: &Stage) -> io::Result<Self> {
-        let mut child = Command::new(python())
-            .args(["-c", SCRIPT])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()?;
-        let input = child.stdin.take();
-        let output = child.stdout.take().ok_or(io::ErrorKind::BrokenPipe)?;
-        let mut coal = Self { child, input, output: BufReader::new(output) };
-        coal.send(&given(stage))?;
-        Ok(coal)
+        Python::start(SCRIPT, &given(stage)).map(Self)
     }
-
-    fn send(&mut self, line: &Value) -> io::Result<()> {
-        let input = self.input.as_mut().ok_or(io::ErrorKind::BrokenPipe)?;
-        writeln!(input, "{line}")?;
-        input.flush()
-    }
-
-    fn receive(&mut self) -> io::Result<Value> {
-        let mut line = String::new();
-        self.output.read_line(&mut line)?;
-        serde_json::from_str(&line).map_err(io::Error::other)
-    }
-}
-
-impl Drop for Coal {
-    fn drop(&mut self) {
-        drop(self.input.take());
-        // A process that cannot be waited for leaves nothing to do.
-        let _ = self.child.wait();
-    }
-}
-
-fn python() -> std::ffi::OsString {
-    std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into())
 }
 
 /// Coal's turns with one demand.
@@ -91,8 +48,8 @@ impl Contestant for CoalTurns<'_> {
             DemandKind::Distance => "distance",
             DemandKind::Contacts | DemandKind::Regions => "contacts",
         };
-        self.coal.send(&json!({ "what": what, "margin": self.margin, "frames": frames }))?;
-        let mut reply = self.coal.receive()?;
+        let turn = json!({ "what": what, "margin": self.margin, "frames": frames });
+        let mut reply = self.coal.0.ask(&turn)?;
         if let Value::Array(answers) = reply["answers"].take() {
             for (&frame, answer) in frames.iter().zip(answers) {
                 self.answers[frame] = answer.as_array().cloned();

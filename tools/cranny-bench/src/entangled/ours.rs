@@ -6,7 +6,7 @@ use cranny_narrow_phase::{Counters, Demand, PairMemory, Query, query};
 
 use super::digest::Digest;
 use super::stage::Stage;
-use super::turns::{Contestant, Stopwatch};
+use crate::turns::{Contestant, Stopwatch};
 
 /// The answers about the pairs of a frame.
 #[derive(Clone, Debug, Default)]

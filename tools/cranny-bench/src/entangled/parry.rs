@@ -13,7 +13,7 @@ use parry3d::shape::{Shape, SharedShape};
 
 use super::demand::DemandKind;
 use super::stage::Stage;
-use super::turns::{Contestant, Stopwatch};
+use crate::turns::{Contestant, Stopwatch};
 
 /// Prediction of manifolds where regions have no margin: next to nothing, as the regions' curves.
 const PREDICTION: f32 = 1e-4;

@@ -2,8 +2,8 @@
 
 use super::catalog::Case;
 use super::demand::DemandKind;
-use super::turns::Times;
 use crate::report::{Cell, Report, Table, geometric_mean, times};
+use crate::turns::Times;
 
 /// A case with a demand.
 pub(super) struct Row {

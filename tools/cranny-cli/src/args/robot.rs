@@ -21,6 +21,11 @@ pub(crate) struct RobotArgs {
     #[arg(long, value_name = "ROBOT.srdf")]
     pub(crate) srdf: Option<PathBuf>,
 
+    /// Checks only pairs that a group of the SRDF file moves: those with a link of the group, or
+    /// with one that hangs from its joints
+    #[arg(long, value_name = "NAME", requires = "srdf")]
+    pub(crate) group: Option<String>,
+
     /// The least distance between two links as well
     #[arg(long, requires = "configurations")]
     pub(crate) distance: bool,
@@ -51,7 +56,8 @@ enforced: recorded robots exceed them.
 Output with --configurations: one JSON object a line for each configuration, in order:
   configuration   index from 0
   hits            pairs of links that touch or overlap, or one of which lies inside the other, by name:
-                  of all pairs but those that a joint joins and those that the SRDF disables
+                  of all pairs but those that a joint joins and those that the SRDF disables;
+                  with --group, of those pairs that the group moves, as MoveIt checks a group
   distance        least distance of two such links, 0 where some meet; null without --distance, or
                   where there is no pair to check
   pair            the links that are so near
@@ -64,4 +70,5 @@ Examples:
   cranny robot panda.urdf
   echo '[{}, {"panda_joint2": 1.2}]' > q.json
   cranny robot panda.urdf --configurations q.json --srdf panda.srdf --distance
+  cranny robot panda.urdf --configurations q.json --srdf panda.srdf --group hand
   cranny robot panda.urdf --configurations q.json --render panda.png --at 1"#;

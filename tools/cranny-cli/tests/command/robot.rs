@@ -68,6 +68,33 @@ fn disabled_pairs_are_not_checked_and_distances_are_of_who_asks() {
 }
 
 #[test]
+fn a_group_is_checked_against_all_that_it_may_meet() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let srdf = folder.write(
+        "rails.srdf",
+        "<robot name='rails'><group name='carriage'><joint name='slide'/></group>\n\
+         <group name='still'><link name='post'/></group>\n\
+         <group name='lost'>\n<link name='crane'/></group></robot>",
+    );
+    let q = folder.write("q.json", "[{}]");
+    let args = |group| {
+        ["robot", &urdf, "--srdf", &srdf, "--configurations", &q, "--distance", "--group", group]
+    };
+    let hits = |group| lines(&run(&args(group)).stdout)[0]["hits"].clone();
+    let hit = serde_json::json!([["post", "sledge"]]);
+    assert_eq!((hits("carriage"), hits("still")), (hit.clone(), hit));
+    let described = run(&["robot", &urdf, "--srdf", &srdf, "--group", "still"]).stdout;
+    assert!(described.contains("2 pairs of links are checked"), "{described}");
+    let says = ["rails.srdf", "no group \"arm\"", "carriage, lost, still"];
+    run(&args("arm")).assert_refused(2, &says);
+    let says = ["rails.srdf", "line 4", "\"lost\"", "\"crane\"", "post, rail"];
+    run(&args("lost")).assert_refused(2, &says);
+    let alone = run(&["robot", &urdf, "--group", "arm"]);
+    assert!(alone.code == Some(2) && alone.stderr.contains("--srdf"), "{alone:?}");
+}
+
+#[test]
 fn a_robot_is_described() {
     let folder = Folder::new();
     let urdf = robot(&folder);

@@ -7,7 +7,7 @@ use cpu_time::ThreadTime;
 use crate::stopwatch::median;
 
 /// A detector that answers about frames.
-pub(super) trait Contestant {
+pub(crate) trait Contestant {
     /// Returns the seconds of each of these frames, in their order.
     ///
     /// # Errors
@@ -18,12 +18,12 @@ pub(super) trait Contestant {
 
 /// The effort of one row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+pub(crate) struct Budget {
     /// Turns of each contestant.
-    pub(super) rounds: usize,
+    pub(crate) rounds: usize,
     /// Seconds of a turn of every contestant but the first. A slow contestant gets fewer frames,
     /// evenly spread.
-    pub(super) turn: f64,
+    pub(crate) turn: f64,
 }
 
 /// Least number of frames of a contestant. Fewer: a median is a matter of luck. More: parry's
@@ -40,18 +40,18 @@ const SECONDS_LEAST: f64 = 1e-9;
 
 /// Frames of a contestant and its best seconds of each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Times {
-    pub(super) frames: Vec<usize>,
-    pub(super) seconds: Vec<f64>,
+pub(crate) struct Times {
+    pub(crate) frames: Vec<usize>,
+    pub(crate) seconds: Vec<f64>,
 }
 
 impl Times {
-    pub(super) fn median(&self) -> f64 {
+    pub(crate) fn median(&self) -> f64 {
         median(self.seconds.clone())
     }
 
     /// Returns the 99th percentile without the first frame, which has no memory.
-    pub(super) fn p99(&self) -> f64 {
+    pub(crate) fn p99(&self) -> f64 {
         let mut rest = self.seconds.get(1..).unwrap_or_default().to_vec();
         rest.sort_unstable_by(f64::total_cmp);
         rest.get((rest.len() * 99 / 100).min(rest.len().saturating_sub(1))).copied().unwrap_or(0.0)
@@ -59,7 +59,7 @@ impl Times {
 
     /// Returns the median in multiples of that of a contestant with all frames, over the same
     /// frames.
-    pub(super) fn over(&self, whole: &Times) -> f64 {
+    pub(crate) fn over(&self, whole: &Times) -> f64 {
         let same = self.frames.iter().map(|&frame| whole.seconds[frame]).collect();
         self.median() / median(same)
     }
@@ -67,7 +67,7 @@ impl Times {
 
 /// Measures the first contestant on all frames, the others on as many as the budget affords. A
 /// contestant that fails has no times.
-pub(super) fn take_turns(
+pub(crate) fn take_turns(
     budget: Budget,
     frames: usize,
     contestants: &mut [&mut dyn Contestant],
@@ -118,17 +118,17 @@ fn spread(frames: usize, count: usize) -> Vec<usize> {
 }
 
 /// Seconds of the thread's CPU time, the clock's own subtracted.
-pub(super) struct Stopwatch {
+pub(crate) struct Stopwatch {
     overhead: f64,
 }
 
 impl Stopwatch {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let empty = |_| ThreadTime::now().elapsed().as_secs_f64();
         Self { overhead: median((0..1_000).map(empty).collect()) }
     }
 
-    pub(super) fn seconds<T>(&self, work: impl FnOnce() -> T) -> (f64, T) {
+    pub(crate) fn seconds<T>(&self, work: impl FnOnce() -> T) -> (f64, T) {
         let start = ThreadTime::now();
         let made = work();
         let elapsed = start.elapsed().as_secs_f64();
