@@ -10,22 +10,37 @@ use cranny_geometry::{Content, FaceId, Model};
 
 use crate::primitive::{Checked, Plane, Primitive, PrimitiveError, place};
 use crate::revolved::{LeastOnTriangle, Revolved};
-use crate::separation::{Separation, separation};
+use crate::separation::{Found, found};
 
 /// How near to the distance sought a way ends, as a share of the pair's size. Larger: bodies stop
 /// visibly short; smaller: rounding of the distance is taken for a gap.
 const TOLERANCE: f64 = 1e-9;
 
+/// What is near at the beginning and comes nearer by no more than this share of its way slides
+/// along. Larger: it sinks in visibly; smaller: rounded directions hold what slides.
+const SLIDING: f64 = 1e-6;
+
 /// Tangents of one face. Fewer: a way beside a border of small radius ends early, as unknown; more:
 /// nothing, since each about doubles the digits.
 const MOST_TANGENTS: usize = 64;
+
+/// When a way ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrimitiveCastOptions {
+    /// How near the primitive is let to the model's solid, >= 0.
+    pub gap: f64,
+    /// What becomes of a face that is as near at the beginning: where this holds, the way ends at
+    /// once; else only if the primitive comes nearer to it, and a face that it parts from, or
+    /// slides along, is not in its way.
+    pub stops_at_overlap: bool,
+}
 
 /// How a way of a primitive beside a model ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PrimitiveCast {
     /// The primitive comes no nearer than the gap.
     Free,
-    /// It is as near at the beginning, or they overlap, or one lies inside the other.
+    /// It is as near at the beginning, or they overlap, or it lies inside.
     Initially,
     /// It is as near as the gap for the first time.
     Hit {
@@ -41,7 +56,7 @@ pub enum PrimitiveCast {
 }
 
 /// Moves a primitive along `travel`, in the model's frame, until it is as near to the model's solid
-/// as `gap` (>= 0). A primitive that begins wholly inside a closed component meets it at once.
+/// as the options let it. One that begins wholly inside a closed component meets it at once.
 ///
 /// The time is right to a few dozen roundings of the largest length of the pair, over the speed at
 /// which the two come nearer.
@@ -53,36 +68,37 @@ pub enum PrimitiveCast {
 /// ```
 /// use cranny_exact::DVec3;
 /// use cranny_geometry::{BuildOptions, Model};
-/// use cranny_primitives::{Ball, PrimitiveCast, cast_primitive};
+/// use cranny_primitives::{Ball, PrimitiveCast, PrimitiveCastOptions, cast_primitive};
 /// use cranny_shapes::Cuboid;
 ///
 /// let (cube, _) = Model::build(Cuboid { size: [2.0; 3] }.build()?, &BuildOptions::default())?;
 /// let ball = |z: f64| Ball { center: DVec3::Z * z, radius: 0.5 }.into();
-/// let way = DVec3::Z * -4.0;
-/// let PrimitiveCast::Hit { time, normal, .. } = cast_primitive(&cube, &ball(3.5), way, 0.0)? else {
-///     panic!("it falls onto the cube");
-/// };
+/// let (way, options) = (DVec3::Z * -4.0, PrimitiveCastOptions { gap: 0.0, stops_at_overlap: true });
+/// let found = cast_primitive(&cube, &ball(3.5), way, &options)?;
+/// let PrimitiveCast::Hit { time, normal, .. } = found else { panic!("it falls onto the cube") };
 /// assert!((time - 0.5).abs() < 1e-8 && (normal - DVec3::Z).length() < 1e-8);
-/// assert_eq!(cast_primitive(&cube, &ball(0.0), way, 0.0)?, PrimitiveCast::Initially);
-/// assert_eq!(cast_primitive(&cube, &ball(3.5), -way, 0.0)?, PrimitiveCast::Free);
+/// assert_eq!(cast_primitive(&cube, &ball(0.0), way, &options)?, PrimitiveCast::Initially);
+/// assert_eq!(cast_primitive(&cube, &ball(3.5), -way, &options)?, PrimitiveCast::Free);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn cast_primitive(
     model: &Model,
     primitive: &Primitive,
     travel: DVec3,
-    gap: f64,
+    options: &PrimitiveCastOptions,
 ) -> Result<PrimitiveCast, PrimitiveError> {
     let travel = place("travel", travel)?;
+    let PrimitiveCastOptions { gap, stops_at_overlap } = *options;
     if !(gap >= 0.0 && gap.is_finite()) {
         return Err(PrimitiveError::Length { what: "gap", value: gap });
     }
-    let near = match separation(model, primitive, gap)? {
-        Separation::Meeting => true,
-        Separation::Apart { distance, .. } => distance <= gap,
-        Separation::Farther => false,
+    let found = found(model, primitive, gap)?;
+    let is_near = match found {
+        Found::Meeting => true,
+        Found::Apart { distance, .. } => distance <= gap,
+        Found::Inside | Found::Farther => false,
     };
-    if near {
+    if matches!(found, Found::Inside) || (is_near && stops_at_overlap) {
         return Ok(PrimitiveCast::Initially);
     }
     Ok(match primitive.checked()? {
@@ -91,7 +107,7 @@ pub fn cast_primitive(
     })
 }
 
-/// A half-space that is apart by more than the gap: its plane meets the foremost vertex first.
+/// Of a half-space: its plane meets the foremost vertex first.
 fn of_half_space(model: &Model, plane: &Plane, travel: DVec3, gap: f64) -> PrimitiveCast {
     let Plane { normal, offset } = *plane;
     let height = |p: &DVec3| normal.dot(*p) - offset;
@@ -99,12 +115,15 @@ fn of_half_space(model: &Model, plane: &Plane, travel: DVec3, gap: f64) -> Primi
     let Some(&lowest) = vertices.min_by(|p, q| height(p).total_cmp(&height(q))) else {
         return PrimitiveCast::Free;
     };
-    let time = (height(&lowest) - gap) / normal.dot(travel);
-    if !(0.0..=1.0).contains(&time) {
+    let (left, closing) = (height(&lowest) - gap, normal.dot(travel));
+    if closing <= 0.0 || left > closing {
         return PrimitiveCast::Free;
     }
+    if left <= 0.0 {
+        return PrimitiveCast::Initially;
+    }
     let on_primitive = lowest - normal * gap;
-    PrimitiveCast::Hit { time, on_model: lowest, on_primitive, normal: -normal }
+    PrimitiveCast::Hit { time: left / closing, on_model: lowest, on_primitive, normal: -normal }
 }
 
 /// A solid of revolution on its way.
@@ -149,7 +168,11 @@ impl RoundCast<'_> {
                 }
             }
         }
-        first.map_or(PrimitiveCast::Free, |(time, _, least)| self.hit(time, &least))
+        match first {
+            None => PrimitiveCast::Free,
+            Some((0.0, ..)) => PrimitiveCast::Initially,
+            Some((time, _, least)) => self.hit(time, &least),
+        }
     }
 
     /// When the solid's box, on its way, first reaches a box, at the earliest.
@@ -172,14 +195,17 @@ impl RoundCast<'_> {
             let moved = corners.map(|corner| corner - time * self.travel);
             let least = self.solid.least_on_triangle(&moved);
             let left = least.signed - near;
-            if left <= TOLERANCE * size {
+            if time > 0.0 && left <= TOLERANCE * size {
                 return Some((time, least));
             }
-            let outward =
-                least.outward.unwrap_or_else(|| self.solid.core_foot(least.point).outward);
-            let closing = outward.dot(self.travel);
-            if closing <= 0.0 {
+            let closing = self.outward(&least).dot(self.travel);
+            // A convex distance that does not fall never will: the two part, or slide along.
+            let slides = left <= 0.0 && closing <= SLIDING * self.travel.length();
+            if closing <= 0.0 || slides {
                 return None;
+            }
+            if left <= TOLERANCE * size {
+                return Some((time, least));
             }
             time += left / closing;
             if time > until {
@@ -190,8 +216,13 @@ impl RoundCast<'_> {
         Some((time, self.solid.least_on_triangle(&moved)))
     }
 
+    /// From the solid to the face.
+    fn outward(&self, least: &LeastOnTriangle) -> DVec3 {
+        least.outward.unwrap_or_else(|| self.solid.core_foot(least.point).outward)
+    }
+
     fn hit(&self, time: f64, least: &LeastOnTriangle) -> PrimitiveCast {
-        let outward = least.outward.unwrap_or_else(|| self.solid.core_foot(least.point).outward);
+        let outward = self.outward(least);
         let moved = time * self.travel;
         PrimitiveCast::Hit {
             time,
@@ -206,6 +237,7 @@ impl RoundCast<'_> {
 mod tests {
     use super::*;
     use crate::primitive::{Ball, Capsule, Cone, Cylinder, HalfSpace, Segment};
+    use crate::separation::{Separation, separation};
     use cranny_geometry::BuildOptions;
     use cranny_shapes::{Cuboid, Cup, Shape, Torus};
     use cranny_testkit::Rng;
@@ -238,6 +270,10 @@ mod tests {
         ]
     }
 
+    fn stopping(gap: f64) -> PrimitiveCastOptions {
+        PrimitiveCastOptions { gap, stops_at_overlap: true }
+    }
+
     fn moved(primitive: &Primitive, by: DVec3) -> Primitive {
         primitive.moved(&cranny_exact::Pose::at(by).world_from_body())
     }
@@ -267,7 +303,7 @@ mod tests {
             let gap = [0.0, 0.01, 0.1][round / 3 % 3];
             for primitive in primitives(at, axis) {
                 let way = to - at;
-                match cast_primitive(model, &primitive, way, gap).unwrap() {
+                match cast_primitive(model, &primitive, way, &stopping(gap)).unwrap() {
                     PrimitiveCast::Initially => {
                         counts[0] += 1;
                         assert!(is_near(model, &primitive, gap));
@@ -304,7 +340,7 @@ mod tests {
         let ring = built(Torus::default());
         let down = |model: &Model, from: DVec3, radius: f64| {
             let ball = Ball { center: from, radius }.into();
-            cast_primitive(model, &ball, DVec3::Z * -50.0, 0.0).unwrap()
+            cast_primitive(model, &ball, DVec3::Z * -50.0, &stopping(0.0)).unwrap()
         };
         assert_eq!(down(&ring, DVec3::Z * 20.0, 0.1), PrimitiveCast::Free);
         let wide = ring.bounds().half_extents().x;
@@ -317,13 +353,40 @@ mod tests {
         assert!(on_model.z < cup.bounds().center().z, "its floor, not its rim: {on_model}");
     }
 
+    /// On the floor of a cup, with a little of it inside: it slides along to the wall, and lifts
+    /// off; it does not go down.
+    #[test]
+    fn what_slides_along_a_face_is_not_held_by_it() {
+        let cup = Cup { radius: 1.0, height: 1.0, wall: 0.1, floor: 0.1, segments: 64 };
+        let cup = built(cup);
+        let floor = cup.bounds().min.z + 0.1;
+        let options = PrimitiveCastOptions { gap: 0.0, stops_at_overlap: false };
+        for depth in [-1e-9, 0.0, 0.01] {
+            let ball = Ball { center: DVec3::Z * (floor + 0.2 - depth), radius: 0.2 }.into();
+            let to = |travel: DVec3| cast_primitive(&cup, &ball, travel, &options).unwrap();
+            assert_eq!(to(DVec3::Z * 5.0), PrimitiveCast::Free);
+            let down = match to(DVec3::Z * -5.0) {
+                PrimitiveCast::Initially => 0.0,
+                PrimitiveCast::Hit { time, .. } => time,
+                PrimitiveCast::Free => 1.0,
+            };
+            assert!(down < 1e-8, "{down}");
+            let PrimitiveCast::Hit { time, normal, .. } = to(DVec3::X * 5.0) else {
+                panic!("the wall, {depth} deep in the floor")
+            };
+            assert!((5.0 * time - 0.7).abs() < 0.01 && normal.x < -0.9, "{time} {normal}");
+        }
+    }
+
     #[test]
     fn numbers_that_are_none_are_refused() {
         let cube = built(Cuboid { size: [1.0; 3] });
         let ball = Ball { center: DVec3::Z * 3.0, radius: 0.5 }.into();
-        let refused = |travel, gap| cast_primitive(&cube, &ball, travel, gap).unwrap_err();
+        let refused =
+            |travel, gap| cast_primitive(&cube, &ball, travel, &stopping(gap)).unwrap_err();
         assert!(refused(DVec3::NAN, 0.0).to_string().contains("travel"));
         assert!(refused(DVec3::X, -1.0).to_string().contains("gap"));
-        assert_eq!(cast_primitive(&cube, &ball, DVec3::ZERO, 0.0), Ok(PrimitiveCast::Free));
+        let still = cast_primitive(&cube, &ball, DVec3::ZERO, &stopping(0.0));
+        assert_eq!(still, Ok(PrimitiveCast::Free));
     }
 }

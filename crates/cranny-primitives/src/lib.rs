@@ -60,9 +60,10 @@
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
 //! with rounded edges. `shape` is what a body is made of, a model or a primitive; `between` answers
 //! about two of them, `convex` about two primitives. `ray` casts rays at models, `shape_ray` at
-//! shapes; `cast` moves primitives at them. `text` writes primitives down. `deep` finds contacts that lead a solver's bodies out of
-//! a deep overlap, and `percussion` the places at which to lead a body without turning it; `escape`
-//! finds a translation that ends an overlap, for whoever has no solver.
+//! shapes; `cast` moves primitives at them. `text` writes primitives down. `deep` finds contacts
+//! that lead a solver's bodies out of a deep overlap, and `percussion` the places at which to lead
+//! a body without turning it; `escape` finds a translation that ends an overlap, for whoever has no
+//! solver.
 
 mod between;
 mod cast;
@@ -83,7 +84,7 @@ mod shape_ray;
 mod text;
 
 pub use between::{PlacedShape, ShapeQueryError, query_shapes};
-pub use cast::{PrimitiveCast, cast_primitive};
+pub use cast::{PrimitiveCast, PrimitiveCastOptions, cast_primitive};
 pub use contacts::contacts;
 pub use escape::{way_apart, way_apart_of_shapes};
 pub use inside::contains_point;

@@ -141,20 +141,8 @@ impl<'a> Cast<'a> {
         &self,
         InitialOverlap { always, contact }: InitialOverlap,
     ) -> Option<ShapeCastHit> {
-        let hit = ShapeCastHit {
-            time_of_impact: self.begin as Real,
-            status: ShapeCastStatus::PenetratingOrWithinTargetDist,
-            ..nowhere()
-        };
-        let Some(contact) = contact else { return Some(hit) };
-        let approach = self.approach(&contact);
-        (always || approach > 0.0).then_some(ShapeCastHit {
-            witness1: contact.point1,
-            witness2: contact.point2,
-            normal1: contact.normal1,
-            normal2: contact.normal2,
-            ..hit
-        })
+        let parts = contact.is_some_and(|contact| self.approach(&contact) <= 0.0);
+        (always || !parts).then(|| together(contact, self.begin as Real))
     }
 
     /// How fast the bodies come nearer to each other at a contact, at the beginning.
@@ -173,6 +161,23 @@ impl<'a> Cast<'a> {
     fn time(&self, share: f64) -> Real {
         earlier(self.begin + share * self.seconds)
     }
+}
+
+/// What bodies that are together at the beginning come to: a hit at once. `contact` is where they
+/// meet, in each one's frame, if that is known.
+pub(crate) fn together(contact: Option<Contact>, begin: Real) -> ShapeCastHit {
+    let hit = ShapeCastHit {
+        time_of_impact: begin,
+        status: ShapeCastStatus::PenetratingOrWithinTargetDist,
+        ..nowhere()
+    };
+    contact.map_or(hit, |contact| ShapeCastHit {
+        witness1: contact.point1,
+        witness2: contact.point2,
+        normal1: contact.normal1,
+        normal2: contact.normal2,
+        ..hit
+    })
 }
 
 /// A time in rapier's numbers, rounded towards the beginning.

@@ -16,8 +16,8 @@
 //! own parry measures how far the surfaces are; that one lies wholly inside our solid is seen here.
 //! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through,
 //! and a body that begins inside a solid meets it at once. Straight ones of round shapes are right
-//! to rounding (`round_casts`). All others begin as exactly, and use the parry mesh of the same
-//! triangles from there.
+//! to rounding (`round_casts`), but for those that keep a distance and slide on. All others find
+//! out whether they begin together, and use the parry mesh of the same triangles from there.
 
 use std::time::{Duration, Instant};
 

@@ -19,12 +19,12 @@ use rapier3d::parry::shape::Shape;
 
 use crate::apart::apart;
 use crate::ask::ask;
-use crate::casts::{Cast, InitialOverlap};
+use crate::casts::{Cast, InitialOverlap, together};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::dispatcher::Dispatcher;
 use crate::pair::{PairWorkspace, Reach, for_parry, ours};
 use crate::partners::{measured, polyhedron, rounded_polyhedron};
-use crate::round_casts::{RoundCast, together};
+use crate::round_casts::RoundCast;
 
 /// The models of two shapes that are polyhedra, one of them ours.
 fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
@@ -61,6 +61,12 @@ fn begins_together(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, gap: Real) -> b
         Some(Separation::Farther) => false,
         None => encloses(pos12, g1, g2),
     }
+}
+
+/// Whether one of two shapes lies inside the other, and their surfaces do not meet.
+fn begins_inside(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    let surfaces = || DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
+    begins_together(pos12, g1, g2, 0.0) && surfaces().is_ok_and(|found| !found.intersecting)
 }
 
 /// One point of a connected shape decides for all of it.
@@ -197,16 +203,24 @@ impl Dispatcher {
         let initially = || {
             let within = gap + Real::EPSILON * pos12.translation.length();
             let contact = self.contact(pos12, g1, g2, within).ok().flatten();
-            together(contact, velocity, options.stop_at_penetration, 0.0)
+            together(contact, 0.0)
         };
-        if let Some(cast) = RoundCast::of(pos12, velocity, g1, g2)
+        // What keeps a gap and slides along is a character, whose controller counts on parry's
+        // steps.
+        let keeps_off = gap > 0.0 && !options.stop_at_penetration;
+        if !keeps_off
+            && let Some(cast) = RoundCast::of(pos12, velocity, g1, g2)
             && let Some(hit) = cast.meet(&options, initially)
         {
             return Ok(hit);
         }
         // From outside a solid its surface is met first, which parry knows.
-        if begins_together(pos12, g1, g2, gap) {
-            return Ok(initially());
+        let is_met = match options.stop_at_penetration {
+            true => begins_together(pos12, g1, g2, gap),
+            false => begins_inside(pos12, g1, g2),
+        };
+        if is_met {
+            return Ok(Some(initially()));
         }
         let (g1, g2) = (for_parry(g1), for_parry(g2));
         DefaultQueryDispatcher.cast_shapes(pos12, velocity, g1, g2, options)
@@ -235,7 +249,7 @@ impl Dispatcher {
         let pos12 = pose1.inv_mul(&pose2);
         if stop_at_penetration && begins_together(&pos12, g1, g2, 0.0) {
             let contact = self.contact(&pos12, g1, g2, 0.0).ok().flatten();
-            return Ok(together(contact, Vector::ZERO, true, start));
+            return Ok(Some(together(contact, start)));
         }
         let (g1, g2) = (for_parry(g1), for_parry(g2));
         DefaultQueryDispatcher.cast_shapes_nonlinear(

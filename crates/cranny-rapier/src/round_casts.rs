@@ -1,11 +1,10 @@
-//! Straight casts of balls, capsules, cylinders and the like, and what all casts say of bodies that
-//! meet at the beginning.
+//! Straight casts of balls, capsules, cylinders and the like.
 
 use cranny_exact::{DVec3, Pose as ExactPose};
-use cranny_primitives::{Primitive, PrimitiveCast, cast_primitive};
+use cranny_primitives::{Primitive, PrimitiveCast, PrimitiveCastOptions, cast_primitive};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::ShapeCastOptions;
-use rapier3d::parry::query::{Contact, ShapeCastHit, ShapeCastStatus};
+use rapier3d::parry::query::{ShapeCastHit, ShapeCastStatus};
 use rapier3d::parry::shape::Shape;
 
 use crate::casts::{earlier, nowhere};
@@ -52,7 +51,7 @@ impl<'a> RoundCast<'a> {
     pub(crate) fn meet(
         &self,
         options: &ShapeCastOptions,
-        initially: impl FnOnce() -> Option<ShapeCastHit>,
+        initially: impl FnOnce() -> ShapeCastHit,
     ) -> CastFound {
         let seconds = self.seconds(options.max_time_of_impact.into());
         let in_first = seconds * self.velocity;
@@ -60,11 +59,14 @@ impl<'a> RoundCast<'a> {
             true => in_first,
             false => -self.pose.inverse().world_from_body().apply_vector(in_first),
         };
-        let gap = f64::from(options.target_distance.max(0.0));
-        let found = cast_primitive(self.shape.model(), &self.primitive, travel, gap);
+        let wanted = PrimitiveCastOptions {
+            gap: options.target_distance.max(0.0).into(),
+            stops_at_overlap: options.stop_at_penetration,
+        };
+        let found = cast_primitive(self.shape.model(), &self.primitive, travel, &wanted);
         Some(match found {
             Ok(PrimitiveCast::Free) => None,
-            Ok(PrimitiveCast::Initially) => initially(),
+            Ok(PrimitiveCast::Initially) => Some(initially()),
             Ok(PrimitiveCast::Hit { time, on_model, on_primitive, normal }) => {
                 Some(self.hit(time, seconds, [on_model, on_primitive], normal))
             }
@@ -117,29 +119,4 @@ impl<'a> RoundCast<'a> {
             ..nowhere()
         }
     }
-}
-
-/// What bodies that are together at the beginning come to: a hit at once, unless they part and the
-/// caller wants none then. `contact` is where they meet, in each one's frame, if that is known;
-/// `velocity` that of the second, seen from the first.
-pub(crate) fn together(
-    contact: Option<Contact>,
-    velocity: Vector,
-    always: bool,
-    begin: Real,
-) -> Option<ShapeCastHit> {
-    let hit = ShapeCastHit {
-        time_of_impact: begin,
-        status: ShapeCastStatus::PenetratingOrWithinTargetDist,
-        ..nowhere()
-    };
-    let Some(contact) = contact else { return Some(hit) };
-    let parts = velocity.dot(contact.normal1) >= 0.0;
-    (always || !parts).then_some(ShapeCastHit {
-        witness1: contact.point1,
-        witness2: contact.point2,
-        normal1: contact.normal1,
-        normal2: contact.normal2,
-        ..hit
-    })
 }

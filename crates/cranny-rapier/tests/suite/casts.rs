@@ -156,9 +156,11 @@ fn round_shapes_that_begin_inside_a_solid_are_not_free() {
     ];
     for (name, partner) in round_partners().into_iter().chain(others) {
         for pair in [[&block, &partner], [&partner, &block]] {
-            let hit = cast(pair, Pose::IDENTITY, Vector::Z, (0.0, true)).expect(name);
-            assert_eq!(hit.time_of_impact, 0.0, "{name}");
-            assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist, "{name}");
+            for options in [(0.0, true), (0.0, false), (0.1, true), (0.1, false)] {
+                let hit = cast(pair, Pose::IDENTITY, Vector::Z, options).expect(name);
+                assert_eq!(hit.time_of_impact, 0.0, "{name}");
+                assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist, "{name}");
+            }
             let still = NonlinearRigidMotion::constant_position(Pose::IDENTITY);
             let moving =
                 NonlinearRigidMotion::new(Pose::IDENTITY, Vector::ZERO, Vector::Z, Vector::X);
