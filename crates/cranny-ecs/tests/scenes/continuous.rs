@@ -6,12 +6,12 @@ use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
 use cranny_primitives::{Ball, Primitive};
-use cranny_shapes::{Boxes, Hook, Torus};
-use cranny_world::Random;
+use cranny_shapes::{Boxes, Cuboid, Hook, Torus};
 use cranny_world::description::{
     BodyDescription, BodyKind, Effect, Interpolation, Keyframe, KeyframedPath, PathEnd,
     SceneDescription,
 };
+use cranny_world::{BodyId, Random};
 
 use crate::build::{cube, scene};
 
@@ -137,6 +137,44 @@ fn what_is_led_through_a_wall_waits_before_it() {
         assert_eq!((farthest < -1.0, waiting > 60), (stops, stops), "{farthest}, {waiting}");
         assert!(!stops || farthest > -1.001, "{farthest}: it stops where it meets the wall");
     }
+}
+
+/// A rod that only turns, about its middle, stops before a post that stands in its circle; what
+/// touches at the beginning is not held, and neither is what an app puts elsewhere.
+#[test]
+fn what_turns_is_held_and_what_is_put_elsewhere_is_not() {
+    let post = |x: f64| cube("post", BodyKind::Fixed, DVec3::new(x, 1.5, 0.0), DVec3::ZERO);
+    let rod = BodyDescription {
+        collision: Arc::new(Cuboid { size: [6.0, 0.1, 0.1] }.build().unwrap()),
+        angular_velocity: DVec3::Z * 30.0,
+        ..cube("rod", BodyKind::Kinematic, DVec3::ZERO, DVec3::ZERO)
+    };
+    let turned = |post: BodyDescription, put: Option<f32>| {
+        let duration = 8.0 / 64.0;
+        let scene = scene(vec![post, rod.clone()], &[Effect::Continuous]);
+        let scene = SceneDescription { duration, ..scene };
+        let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+        if let Some(x) = put {
+            app.step().unwrap();
+            let world = app.app_mut().world_mut();
+            let rod = world.resource::<Bodies>().get(BodyId(1)).unwrap().entity;
+            world.get_mut::<Transform>(rod).unwrap().translation.x = x;
+        }
+        while app.step().unwrap() {}
+        let world = app.app_mut().world_mut();
+        let rod = world.resource::<Bodies>().get(BodyId(1)).unwrap().entity;
+        let (axis, angle) = world.get::<Transform>(rod).unwrap().rotation.to_axis_angle();
+        (axis.z * angle, world.resource::<HeldBack>().total)
+    };
+    // Its upper side, 0.05 beside its middle line, meets the corner (2, 1) of the post.
+    let meets = 1.0_f64.atan2(2.0) - (0.05 / 5.0_f64.sqrt()).asin();
+    let (angle, held) = turned(post(1.5), None);
+    assert!((f64::from(angle) - meets).abs() < 1e-3 && held > 0, "{angle}, not {meets}");
+    let (angle, held) = turned(post(40.0), None);
+    assert!(
+        (angle - 8.0 * 30.0 / 64.0).rem_euclid(std::f32::consts::TAU).min(1.0) < 1e-3 && held == 0
+    );
+    assert_eq!(turned(post(1.5), Some(40.0)).1, 1, "held in its first step, then put beyond");
 }
 
 /// Two that are led at each other stop between; one that is not named runs into nobody either.
