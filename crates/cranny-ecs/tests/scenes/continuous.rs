@@ -177,6 +177,28 @@ fn what_turns_is_held_and_what_is_put_elsewhere_is_not() {
     assert_eq!(turned(post(1.5), Some(40.0)).1, 1, "held in its first step, then put beyond");
 }
 
+/// Far from the origin, where single precision is coarser than the gap that is kept.
+#[test]
+fn who_is_held_far_away_does_not_touch() {
+    for i in 0..40 {
+        let far = DVec3::new(20_000.3 + 0.37 * f64::from(i), 3e4, 0.0);
+        let wall = cube("wall", BodyKind::Fixed, far, DVec3::ZERO);
+        let from = far - DVec3::X * 8.0;
+        let speed = DVec3::X * (400.0 + f64::from(i));
+        let guest = cube("guest", BodyKind::Kinematic, from, speed);
+        let scene = scene(vec![wall, guest], &[Effect::Continuous, Effect::TRIGGER]);
+        let scene = SceneDescription { duration: 6.0 / 64.0, ..scene };
+        let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+        while app.step().unwrap() {}
+        let world = app.app_mut().world_mut();
+        assert!(world.resource::<HeldBack>().total > 0);
+        let mut places = world.query::<(&Body, &Transform)>();
+        let x = |id: u32| places.iter(world).find(|(b, _)| b.id.0 == id).unwrap().1.translation.x;
+        let [wall, guest] = [0, 1].map(x);
+        assert!(wall - guest > 1.0 && wall - guest < 1.1, "{i}: {wall} {guest}");
+    }
+}
+
 /// Two that are led at each other stop between; one that is not named runs into nobody either.
 #[test]
 fn who_meets_who_is_named_stops() {

@@ -131,26 +131,33 @@ fn shapes_meet_what_they_meet_among_many() {
 #[test]
 fn a_system_sees_what_has_moved_come_and_gone_since() {
     let mut app = empty(&[]);
-    let [near, far] = [0.0, -5.0].map(|z| world(&mut app).spawn((unit(), up(z))).id());
+    let beside = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    let [near, far] = [beside(7.0), up(-5.0)].map(|at| world(&mut app).spawn((unit(), at)).id());
     steps(&mut app, 1);
     let down = |spatial: &SpatialQuery| {
         let hit = spatial.cast_ray(Vec3::new(0.0, 0.0, 50.0), Dir3::NEG_Z, 100.0, &all()).unwrap();
         hit.map(|hit| (hit.entity, (1e6 * hit.distance).round() / 1e6))
     };
-    let world = world(&mut app);
-    let mut state = SystemState::<SpatialQuery>::new(world);
-    let mut first = |world: &mut World| down(&state.get(world).unwrap());
-    assert_eq!(first(world), Some((near, 49.5)));
-    assert_eq!(first(world), Some((near, 49.5)));
-    world.get_mut::<Transform>(near).unwrap().translation.x = 7.0;
-    assert_eq!(first(world), Some((far, 54.5)));
-    world.get_mut::<Transform>(near).unwrap().translation.x = 0.0;
-    world.get_mut::<Transform>(near).unwrap().translation.z = 9.0;
-    assert_eq!(first(world), Some((near, 40.5)));
-    world.despawn(near);
-    assert_eq!(first(world), Some((far, 54.5)));
-    world.despawn(far);
-    assert_eq!(first(world), None);
+    let mut state = SystemState::<SpatialQuery>::new(world(&mut app));
+    let mut first = |app: &mut SceneApp| down(&state.get(world(app)).unwrap());
+    assert_eq!(first(&mut app), Some((far, 54.5)));
+    assert_eq!(first(&mut app), Some((far, 54.5)));
+    *world(&mut app).get_mut::<Transform>(near).unwrap() = beside(0.0);
+    assert_eq!(first(&mut app), Some((near, 49.5)));
+    *world(&mut app).get_mut::<Transform>(near).unwrap() = beside(7.0);
+    assert_eq!(first(&mut app), Some((far, 54.5)));
+    let third = world(&mut app).spawn((unit(), up(3.0))).id();
+    steps(&mut app, 1);
+    assert_eq!(first(&mut app), Some((third, 46.5)));
+    world(&mut app).entity_mut(near).insert(cuboid([20.0, 1.0, 9.0]));
+    steps(&mut app, 1);
+    assert_eq!(first(&mut app), Some((near, 45.5)));
+    for body in [near, third] {
+        world(&mut app).despawn(body);
+    }
+    assert_eq!(first(&mut app), Some((far, 54.5)));
+    world(&mut app).despawn(far);
+    assert_eq!(first(&mut app), None);
 }
 
 /// Between two questions of one run, bodies may move as well.
@@ -162,7 +169,7 @@ fn what_moves_between_two_questions_of_a_run_is_seen() {
         (SpatialQuery<'static, 'static>, Query<'static, 'static, &'static mut Transform>),
     >;
     let mut app = empty(&[]);
-    let body = world(&mut app).spawn((unit(), up(0.0))).id();
+    let body = world(&mut app).spawn((unit(), Transform::from_xyz(5.0, 0.0, 0.0))).id();
     steps(&mut app, 1);
     let moved = move |mut both: Both| {
         let first = |spatial: SpatialQuery| {
@@ -170,13 +177,13 @@ fn what_moves_between_two_questions_of_a_run_is_seen() {
             hit.unwrap().map(|hit| hit.distance)
         };
         let before = first(both.p0());
-        both.p1().get_mut(body).unwrap().translation.z = 1.0;
-        let after = first(both.p0());
-        both.p1().get_mut(body).unwrap().translation.x = 5.0;
-        (before, after, first(both.p0()))
+        both.p1().get_mut(body).unwrap().translation.x = 0.0;
+        let below = first(both.p0());
+        both.p1().get_mut(body).unwrap().translation.y = 7.0;
+        (before, below, first(both.p0()))
     };
     let found = world(&mut app).run_system_once(moved).unwrap();
-    assert_eq!(found, (Some(8.5), Some(7.5), None));
+    assert_eq!(found, (None, Some(8.5), None));
 }
 
 #[test]
