@@ -279,6 +279,15 @@ fn outputs(options: &RunOptions) -> Vec<&Path> {
     outputs
 }
 
+/// Whether a run can make the steps of a scene, as it begins.
+///
+/// # Errors
+///
+/// [`SceneAppError::Duration`].
+pub fn check_duration(scene: &SceneDescription) -> Result<(), SceneAppError> {
+    step_count(scene.step, scene.duration).map(|_| ())
+}
+
 /// Steps of a run: as many as fit, where a step that is short by rounding counts.
 fn step_count(step: f64, duration: f64) -> Result<u64, SceneAppError> {
     let refused = |why| Err(SceneAppError::Duration { step, duration, why });

@@ -94,7 +94,7 @@ mod tally;
 mod tracking;
 mod trigger;
 
-pub use app::{RunOptions, SceneApp};
+pub use app::{RunOptions, SceneApp, check_duration};
 pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 pub use collider::{Collider, CuboidError, Painted, VisualMesh};

@@ -1,6 +1,6 @@
 //! `cranny check`: is a scene file right?
 
-use cranny_ecs::check_effects;
+use cranny_ecs::{check_duration, check_effects};
 use cranny_world::description::{BodyKind, Effect, SceneDescription};
 use serde::Serialize;
 
@@ -38,6 +38,7 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
     overlaps::prepare(&mut scene.description);
     let what = &scene.description;
     check_effects(what).map_err(failure)?;
+    check_duration(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
     let overlaps = overlaps::sentences(&overlaps::at_start(what));

@@ -107,3 +107,18 @@ fn a_grid_leaves_out_what_would_meet_something() {
     let error = load("", &grid(0.75)).unwrap_err().to_string();
     assert!(error.contains("\"g_0\" and \"g_1\" meet") && error.contains("line 2"), "{error}");
 }
+
+/// A slip of the pen is refused before it takes memory.
+#[test]
+fn a_group_of_more_bodies_than_can_be_is_refused() {
+    let region = "region: (min: (-1e9, -1e9, -1e9), max: (1e9, 1e9, 1e9))";
+    let shapes = "shapes: [Generator(Cuboid())]";
+    let pile = format!("Pile(name: \"p\", count: 4000000000, {region}, {shapes})");
+    let thousands = "count: (100000, 100000, 100000), spacing: (2, 2, 2)";
+    let grid = format!("Grid(name: \"g\", {thousands}, {shapes})");
+    for (group, count) in [(pile, "4000000000"), (grid, "1000000000000000")] {
+        let refused = load("", &group).err().expect("nobody has so much memory").to_string();
+        assert!(refused.contains(count) && refused.contains("1000000 at most"), "{refused}");
+        assert!(refused.contains("line 2"), "{refused}");
+    }
+}

@@ -204,3 +204,16 @@ fn a_right_scene_is_counted() {
     assert_eq!((&report["ok"], &report["bodies"]), (&true.into(), &2.into()));
     assert_eq!(report["files"], 1);
 }
+
+/// What `run` refuses, `check` does not pass.
+#[test]
+fn a_step_or_a_duration_that_cannot_be_run_is_refused() {
+    let folder = Folder::new();
+    for (field, says) in [
+        ("step: 1e-300", "between 1e-9 and 1e6 s"),
+        ("duration: 1e300", "more than 4 billion steps"),
+    ] {
+        let scene = folder.write("scene.ron", &format!("(bodies: [], {field})"));
+        run(&["check", &scene]).assert_refused(2, &[says]);
+    }
+}
