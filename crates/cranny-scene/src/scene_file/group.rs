@@ -15,10 +15,6 @@ use super::problem::{SceneError, SceneProblem};
 use super::syntax::{GridFile, GroupFile, PieceFile, PileFile, effects};
 use crate::robot::LinkModels;
 
-/// Bodies of a group at most. More: a slip of the pen fills the memory before it is refused; fewer:
-/// crowds that can be simulated are refused.
-const MOST_BODIES: u128 = 1_000_000;
-
 /// What the bodies of a group are made of.
 struct Stock {
     shapes: Vec<CollisionGeometry>,
@@ -42,19 +38,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// Fails where a group has more bodies than anybody can simulate.
-    fn check_count(&self, of: &PieceFile<'_>, count: u128) -> Result<(), SceneError> {
-        if count <= MOST_BODIES {
-            return Ok(());
-        }
-        let problem = format!(
-            "it has {count} bodies, but a group has {MOST_BODIES} at most. Lower the count"
-        );
-        Err(self.refused_group(of, &problem))
-    }
-
     fn pile(&mut self, group: &PileFile, of: &PieceFile<'_>) -> Result<(), SceneError> {
-        self.check_count(of, group.count.into())?;
         let region = Aabb { min: group.region.min.0, max: group.region.max.0 };
         if !region.min.cmplt(region.max).all() {
             let problem = "its region's min must lie below its max in x, y and z";
@@ -94,7 +78,8 @@ impl Assembly<'_> {
     }
 
     fn grid(&mut self, group: &GridFile, of: &PieceFile<'_>) -> Result<(), SceneError> {
-        self.check_count(of, group.count.iter().map(|&n| u128::from(n)).product())?;
+        let count = group.count.iter().map(|&n| u128::from(n)).product();
+        pile::check_count(count).map_err(|problem| self.refused_group(of, &problem))?;
         let mut stock = self.stock(of)?;
         let first = self.pose(&format!("grid {:?}", of.name), group.pose);
         let placed = self.gridded(group, of, first, &mut stock);

@@ -12,6 +12,22 @@ use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::Random;
 
+/// Bodies of a group at most. More: a slip of the pen fills the memory before it is refused; fewer:
+/// crowds that can be simulated are refused.
+const MOST_BODIES: u128 = 1_000_000;
+
+/// Fails where a group has more bodies than anybody can simulate.
+///
+/// # Errors
+///
+/// How many there may be, as a sentence.
+pub(super) fn check_count(count: u128) -> Result<(), String> {
+    if count <= MOST_BODIES {
+        return Ok(());
+    }
+    Err(format!("it has {count} bodies, but a group has {MOST_BODIES} at most. Lower the count"))
+}
+
 /// A body of a pile.
 pub(super) struct Piece {
     /// Index into the shapes.
@@ -45,6 +61,7 @@ pub(super) fn place(
             2.0 * largest
         ));
     }
+    check_count(count as u128)?;
     let cell = DVec3::new(extent.x / nx as f64, extent.y / ny as f64, least);
     let mut random = Random::new(seed);
     let mut candidate = |i: usize| {

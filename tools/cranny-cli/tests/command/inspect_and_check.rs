@@ -213,7 +213,7 @@ fn a_step_or_a_duration_that_cannot_be_run_is_refused() {
         ("step: 1e-300", "between 1e-9 and 1e6 s"),
         ("duration: 1e300", "more than 4 billion steps"),
     ] {
-        let scene = folder.write("scene.ron", &format!("(bodies: [], {field})"));
+        let scene = folder.write("scene.ron", format!("(bodies: [], {field})"));
         run(&["check", &scene]).assert_refused(2, &[says]);
     }
 }
