@@ -282,5 +282,8 @@ fn take_leave(
 }
 
 fn begin_step(mut records: ResMut<Bodies>) {
-    records.begin_step();
+    // It is a change for whoever looks at the bodies only where somebody left.
+    if records.bypass_change_detection().begin_step() {
+        records.set_changed();
+    }
 }

@@ -145,9 +145,11 @@ impl Bodies {
         }
     }
 
-    /// A step begins, which reports the end of what has left by now.
-    pub(crate) fn begin_step(&mut self) {
-        self.departed = std::mem::take(&mut self.departing);
+    /// A step begins, which reports the end of what has left by now. Returns whether anything has,
+    /// or had before.
+    pub(crate) fn begin_step(&mut self) -> bool {
+        let before = std::mem::replace(&mut self.departed, std::mem::take(&mut self.departing));
+        !before.is_empty() || !self.departed.is_empty()
     }
 
     fn departed(&self, body: BodyId) -> Option<&(Entity, String)> {

@@ -45,6 +45,9 @@ impl Plugin for ContinuousPlugin {
             (
                 ContinuousSystems::Sync.in_set(StepSystems::Sync),
                 ContinuousSystems::Report.in_set(StepSystems::Report),
+                ContinuousSystems::Start
+                    .in_set(StepSystems::Advance)
+                    .before(KinematicsSystems::Move),
                 ContinuousSystems::Hold.in_set(StepSystems::Advance).after(KinematicsSystems::Move),
             ),
         );

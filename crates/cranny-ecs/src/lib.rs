@@ -89,7 +89,6 @@ mod spatial;
 mod spatial_index;
 mod spawn;
 mod summary;
-mod sweep;
 mod tally;
 mod tracking;
 mod trigger;

@@ -9,11 +9,13 @@ use bevy_math::{Dir3, Vec3};
 use bevy_transform::components::Transform;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::FaceId;
-use cranny_impact::{ImpactError, Motion};
-use cranny_narrow_phase::{Answer, Containment, Demand, PairMemory, Query as PairQuery};
+use cranny_impact::{ImpactError, ImpactOptions, Motion};
+use cranny_narrow_phase::{
+    Answer, Containment, Demand, PairMemory, Query as PairQuery, QueryError,
+};
 use cranny_primitives::{
-    BodyShape, PlacedShape, PrimitiveError, Separation, ShapeQueryError, ShapeRayHit,
-    cast_ray_at_shape, query_shapes, separation_of_point,
+    BodyShape, MovingShape, PlacedShape, PrimitiveError, Separation, ShapeQueryError, ShapeRayHit,
+    SweepError, Swept, cast_ray_at_shape, first_meeting, query_shapes, separation_of_point,
 };
 use cranny_world::{BodyId, Layers, world_box};
 use thiserror::Error;
@@ -22,7 +24,10 @@ use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
 use crate::collider::Collider;
 use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
 use crate::spatial_index::{SeenBoxes, SpatialIndex};
-use crate::sweep::{MovingShape, Swept, first_meeting};
+
+/// How near surfaces are where a cast ends, as a share of the smaller body's radius. Larger: bodies
+/// stop visibly short; smaller: f32 cannot tell, and it takes longer.
+const CAST_TOLERANCE: f64 = 1e-6;
 
 /// Which bodies a question is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,6 +94,16 @@ pub enum SpatialQueryError {
     Motion(#[from] ImpactError),
 }
 
+impl From<SweepError> for SpatialQueryError {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Primitive(error) => Self::Number(error),
+            SweepError::Shape(error) => Self::Query(error),
+            SweepError::Motion(error) => Self::Motion(error),
+        }
+    }
+}
+
 /// The message: a `main` that fails prints an error by `Debug`.
 impl std::fmt::Debug for SpatialQueryError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -153,7 +168,7 @@ pub struct PointProjection {
 /// When two bodies meet as they move now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeOfImpact {
-    /// Certified: not within the time that was asked about.
+    /// Certified: not within the time of the question.
     None,
     /// Seconds from now: free until then, met to rounding then. 0 where they meet already.
     At(f64),
@@ -164,13 +179,14 @@ pub enum TimeOfImpact {
 /// Asks about the bodies where their `Transform`s are now: in any schedule, at any time, without a
 /// plugin. Bodies are those that a step has taken in.
 ///
-/// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through
+/// An answer about meshes is exact or certified, as everywhere in Cranny: a ray slips through
 /// no edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
 /// nothing, however thin or fast. Of primitives it is right to rounding, and rays to parry's
 /// tolerance.
 ///
-/// A question costs what lies near, found by a tree of boxes. A system keeps its tree for as long
-/// as no body moves; then its next question costs a box a body, and sorting them.
+/// A question costs what lies near, found by a tree of boxes, and a look at when each body last
+/// changed. A system keeps its tree for as long as no body moves, comes or leaves; then its next
+/// question costs a box a body, and sorting them.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -203,7 +219,7 @@ type Placement = (
     Option<&'static CollisionLayers>,
 );
 
-/// A body that is asked about.
+/// A body of a question.
 #[derive(Clone, Copy)]
 struct Candidate<'a> {
     record: &'a BodyRecord,
@@ -277,6 +293,7 @@ impl SpatialQuery<'_, '_> {
     ///
     /// # Errors
     ///
+    /// [`SpatialQueryError::Query`] for a start that is no pose, [`SpatialQueryError::Number`] or
     /// [`SpatialQueryError::Motion`] for a way that is none.
     pub fn cast_shape(
         &self,
@@ -285,7 +302,7 @@ impl SpatialQuery<'_, '_> {
         travel: Vec3,
         filter: &SpatialQueryFilter,
     ) -> Result<Option<ShapeHitData>, SpatialQueryError> {
-        let (start, travel) = (pose_of(start), finite("travel", travel)?);
+        let (start, travel) = (pose_checked(start)?, finite("travel", travel)?);
         let length = travel.length();
         let whole = swept_box(shape.shape(), &Motion::straight(start, travel));
         let mut first: Option<ShapeHitData> = None;
@@ -300,7 +317,7 @@ impl SpatialQuery<'_, '_> {
             let still = MovingShape { shape: body.shape(), motion: Motion::at_rest(body.pose) };
             let entity = body.record.entity;
             let before = first.is_some_and(|hit| hit.distance == 0.0);
-            first = match first_meeting(moving, still)? {
+            first = match met(moving, still)? {
                 Swept::Free => first,
                 Swept::Initially if before => first,
                 Swept::Initially => {
@@ -334,11 +351,11 @@ impl SpatialQuery<'_, '_> {
         at: &Transform,
         filter: &SpatialQueryFilter,
     ) -> Result<Vec<Entity>, SpatialQueryError> {
-        let here = PlacedShape { shape: shape.shape(), pose: pose_of(at) };
+        let here = PlacedShape { shape: shape.shape(), pose: pose_checked(at)? };
         let around = world_box(here.shape, &here.pose, 0.0);
         let mut met = Vec::new();
         for body in self.near(&around, filter) {
-            let answer = asked(here, placed(&body), Demand::Intersects)?;
+            let answer = answer_about(here, placed(&body), Demand::Intersects)?;
             if answer.touches() {
                 met.push(body.record.entity);
             }
@@ -393,7 +410,7 @@ impl SpatialQuery<'_, '_> {
     /// [`SpatialQueryError::NoBody`].
     pub fn closest_points(&self, a: Entity, b: Entity) -> Result<ClosestPoints, SpatialQueryError> {
         let [a, b] = [self.body(a)?, self.body(b)?];
-        let answer = asked(placed(&a), placed(&b), Demand::Distance { below: None })?;
+        let answer = answer_about(placed(&a), placed(&b), Demand::Distance { below: None })?;
         let points = answer.witnesses.map(|witnesses| witnesses.map(|witness| witness.point));
         Ok(ClosestPoints {
             distance: answer.distance.unwrap_or(0.0),
@@ -409,11 +426,11 @@ impl SpatialQuery<'_, '_> {
     /// [`SpatialQueryError::NoBody`].
     pub fn intersects(&self, a: Entity, b: Entity) -> Result<bool, SpatialQueryError> {
         let [a, b] = [self.body(a)?, self.body(b)?];
-        Ok(asked(placed(&a), placed(&b), Demand::Intersects)?.touches())
+        Ok(answer_about(placed(&a), placed(&b), Demand::Intersects)?.touches())
     }
 
-    /// Whether a body lies wholly in the solid of another, without touching its surface: exact
-    /// between meshes, else right to rounding.
+    /// Whether a body lies wholly in the closed solid of another, whose surface it may touch from
+    /// inside: exact between meshes, else right to rounding.
     ///
     /// # Errors
     ///
@@ -423,7 +440,7 @@ impl SpatialQuery<'_, '_> {
         let [outer, inner] = [self.body(outer)?, self.body(inner)?];
         match (outer.shape(), inner.shape()) {
             (BodyShape::Model(_), _) => {
-                let answer = asked(placed(&outer), placed(&inner), Demand::Intersects)?;
+                let answer = answer_about(placed(&outer), placed(&inner), Demand::Intersects)?;
                 Ok(answer.contained == Some(Containment::BInA))
             }
             (BodyShape::Primitive(_), BodyShape::Model(model)) => {
@@ -464,7 +481,7 @@ impl SpatialQuery<'_, '_> {
             Ok::<_, SpatialQueryError>(MovingShape { shape: body.shape(), motion })
         };
         let [a, b] = [moving(a)?, moving(b)?];
-        Ok(match first_meeting(a, b)? {
+        Ok(match met(a, b)? {
             Swept::Free => TimeOfImpact::None,
             Swept::Initially => TimeOfImpact::At(0.0),
             Swept::Hit { time, .. } => TimeOfImpact::At(seconds * time),
@@ -474,14 +491,13 @@ impl SpatialQuery<'_, '_> {
 
     /// Where all bodies are now.
     fn seen(&self) -> Arc<SeenBoxes> {
-        let moved = self.bodies.iter().map(|(_, transform, ..)| transform.last_changed());
-        let changes = moved.chain([self.records.last_changed()]);
-        let everything = SpatialQueryFilter::default();
-        let boxes = self
-            .records
-            .iter()
-            .filter_map(|(id, _)| self.candidate(id, &everything).map(|body| (id, body.bounds())));
-        self.index.now(self.ticks.this_run(), changes, boxes)
+        let bodies =
+            self.bodies.iter().map(|(body, transform, ..)| (body.id, transform.last_changed()));
+        let boxes = self.bodies.iter().filter_map(|(body, transform, ..)| {
+            let record = self.records.get(body.id)?;
+            Some((body.id, Candidate { record, pose: pose_of(&transform) }.bounds()))
+        });
+        self.index.now(self.ticks.this_run(), self.records.last_changed(), bodies, boxes)
     }
 
     /// The bodies whose boxes overlap another one, by ascending ids.
@@ -515,7 +531,7 @@ fn placed<'a>(body: &Candidate<'a>) -> PlacedShape<'a> {
     PlacedShape { shape: body.shape(), pose: body.pose }
 }
 
-fn asked(
+fn answer_about(
     a: PlacedShape<'_>,
     b: PlacedShape<'_>,
     demand: Demand,
@@ -523,11 +539,16 @@ fn asked(
     query_shapes(a, b, &PairQuery::of(demand), &mut PairMemory::default())
 }
 
+fn met(a: MovingShape<'_>, b: MovingShape<'_>) -> Result<Swept, SweepError> {
+    let tolerance = CAST_TOLERANCE * a.shape.radius().min(b.shape.radius());
+    first_meeting(a, b, &ImpactOptions::within(tolerance))
+}
+
 fn in_frame_of(body: &Candidate<'_>, point: Vec3) -> DVec3 {
     body.pose.world_from_body().inverse().apply(widened(point))
 }
 
-/// A ray that is asked about, in the world.
+/// The ray of a question, in the world.
 struct RayOf {
     origin: Vec3,
     direction: Dir3,
@@ -535,9 +556,9 @@ struct RayOf {
     end: DVec3,
 }
 
-/// How far rays are followed through boxes. Smaller, and what is beyond is not met; larger, and the
-/// direction is rounded no better.
-const FARTHEST: f64 = 1e15;
+/// How far rays are followed through boxes: beyond all numbers of single precision. Smaller, and
+/// what is farther is not met; larger, and squares overflow.
+const FARTHEST: f64 = 1e40;
 
 /// By what the distance of a box may be wrong, as a share. Smaller, and what is met at its box is
 /// missed; larger, and more boxes are opened.
@@ -607,6 +628,13 @@ fn swept_box(shape: &BodyShape, motion: &Motion) -> Aabb {
 
 fn length_checked(value: f64) -> Result<(), PrimitiveError> {
     if value >= 0.0 { Ok(()) } else { Err(PrimitiveError::Length { what: "distance", value }) }
+}
+
+/// The pose of a transform that a question names.
+fn pose_checked(transform: &Transform) -> Result<Pose, ShapeQueryError> {
+    let Pose { rotation, translation } = pose_of(transform);
+    let refused = |source| QueryError::Pose { body: 'A', source };
+    Ok(Pose::checked(rotation, translation).map_err(refused)?)
 }
 
 fn finite(what: &'static str, value: Vec3) -> Result<DVec3, PrimitiveError> {

@@ -17,7 +17,7 @@ pub struct SpatialIndex {
 #[derive(Debug)]
 pub(crate) struct SeenBoxes {
     boxes: BoxIndex,
-    /// Of the boxes, ascending.
+    /// Of the boxes, in the order in which the system's query has them.
     bodies: Vec<BodyId>,
     at: Tick,
 }
@@ -25,18 +25,23 @@ pub(crate) struct SeenBoxes {
 impl SpatialIndex {
     /// The boxes as they are now: those seen before where nothing has changed since, else anew.
     ///
-    /// A change in the very run in which they were seen may have come before or after: they are
-    /// seen anew.
+    /// `bodies` are those that there are, each with when it last changed, and `bodies_changed` is
+    /// when any came or was taken for another. A change in the very run in which they were seen may
+    /// have come before or after: they are seen anew.
     pub(crate) fn now(
         &self,
         this_run: Tick,
-        mut changes: impl Iterator<Item = Tick>,
+        bodies_changed: Tick,
+        bodies: impl Iterator<Item = (BodyId, Tick)>,
         boxes: impl Iterator<Item = (BodyId, Aabb)>,
     ) -> Arc<SeenBoxes> {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(seen) = &*seen {
             let is_before = |change: Tick| seen.at.is_newer_than(change, this_run);
-            if changes.all(is_before) {
+            let mut known = seen.bodies.iter();
+            let mut is_known = |(body, change)| known.next() == Some(&body) && is_before(change);
+            if is_before(bodies_changed) && { bodies }.all(&mut is_known) && known.next().is_none()
+            {
                 return Arc::clone(seen);
             }
         }

@@ -136,38 +136,24 @@ struct RoundCast<'a> {
 
 impl RoundCast<'_> {
     fn first(&self) -> PrimitiveCast {
-        let tree = self.model.tree();
         let own = self.solid.bounds().grown(self.gap);
-        let entry = |node: u32| self.entry(&own, &tree.node(node).bounds).map(|at| (at, node));
-        let mut open: Vec<(f64, u32)> = Vec::new();
-        if !tree.nodes().is_empty() {
-            open.extend(entry(0));
-        }
+        let tree = self.model.tree();
         let mut first: Option<(f64, FaceId, LeastOnTriangle)> = None;
-        while let Some((at, node)) = open.pop() {
-            if first.is_some_and(|(time, ..)| at > time) {
-                continue;
-            }
-            match tree.content(node) {
-                Content::Inner { left, right } => {
-                    let mut children: Vec<_> =
-                        [left, right].into_iter().filter_map(entry).collect();
-                    children.sort_by(|a, b| b.0.total_cmp(&a.0));
-                    open.extend(children);
-                }
-                Content::Leaf { .. } => {
-                    for &face in tree.leaf_faces(node) {
-                        let until = first.map_or(1.0, |(time, ..)| time);
-                        let Some((time, least)) = self.meets(face, until) else { continue };
-                        let is_first =
-                            first.is_none_or(|(before, known, _)| (time, face) < (before, known));
-                        if is_first {
-                            first = Some((time, face, least));
-                        }
+        each_face_on_the_way(
+            self.model,
+            |node| self.entry(&own, &tree.node(node).bounds),
+            |face| {
+                let until = first.map_or(1.0, |(time, ..)| time);
+                if let Some((time, least)) = self.meets(face, until) {
+                    let is_first =
+                        first.is_none_or(|(before, known, _)| (time, face) < (before, known));
+                    if is_first {
+                        first = Some((time, face, least));
                     }
                 }
-            }
-        }
+                first.map_or(1.0, |(time, ..)| time)
+            },
+        );
         match first {
             None => PrimitiveCast::Free,
             Some((0.0, ..)) => PrimitiveCast::Initially,
@@ -229,6 +215,37 @@ impl RoundCast<'_> {
             on_model: least.point + moved,
             on_primitive: least.on_core + outward * self.solid.radius() + moved,
             normal: -outward,
+        }
+    }
+}
+
+/// Visits the faces that may be met on a way, those of near nodes first. `entry` says when a node is
+/// reached at the earliest, if it is; `visit` up to when faces are sought from then on.
+pub(crate) fn each_face_on_the_way(
+    model: &Model,
+    entry: impl Fn(u32) -> Option<f64>,
+    mut visit: impl FnMut(FaceId) -> f64,
+) {
+    let tree = model.tree();
+    let entry = |node: u32| entry(node).map(|at| (at, node));
+    let mut open: Vec<(f64, u32)> = Vec::new();
+    if !tree.nodes().is_empty() {
+        open.extend(entry(0));
+    }
+    let mut until = 1.0;
+    while let Some((at, node)) = open.pop() {
+        if at > until {
+            continue;
+        }
+        match tree.content(node) {
+            Content::Inner { left, right } => {
+                let mut children: Vec<_> = [left, right].into_iter().filter_map(entry).collect();
+                children.sort_by(|a, b| b.0.total_cmp(&a.0));
+                open.extend(children);
+            }
+            Content::Leaf { .. } => {
+                tree.leaf_faces(node).iter().for_each(|&face| until = visit(face));
+            }
         }
     }
 }

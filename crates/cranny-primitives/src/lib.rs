@@ -20,9 +20,9 @@
 //! Verdicts here are not exact: a primitive's own points round, so what is apart or overlaps by a
 //! few units of rounding may be found to touch. (Between models that are not rounded they are.)
 //! A segment that lies flush over a face and ends exactly above an edge to a face of the same plane
-//! gets no contact. Casts of primitives are not here; those of rays are
-//! [`cast_ray`], whose verdicts are exact, and [`cast_ray_at_shape`]. Two cylinders or cones, and
-//! contacts of two primitives, are parry's, to its tolerances.
+//! gets no contact. Of casts those of rays are exact ([`cast_ray`]), and sweeps of two meshes are
+//! certified ([`first_meeting`]). Two cylinders or cones, and contacts of two primitives, are
+//! parry's, to its tolerances.
 //!
 //! # A ball over a mesh
 //!
@@ -60,7 +60,8 @@
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
 //! with rounded edges. `shape` is what a body is made of, a model or a primitive; `between` answers
 //! about two of them, `convex` about two primitives. `ray` casts rays at models, `shape_ray` at
-//! shapes; `cast` moves primitives at them. `text` writes primitives down. `deep` finds contacts
+//! shapes; `cast` moves primitives at them, `turning_cast` moves them as they turn,
+//! and `sweep` any shape at any other. `text` writes primitives down. `deep` finds contacts
 //! that lead a solver's bodies out of a deep overlap, and `percussion` the places at which to lead
 //! a body without turning it; `escape` finds a translation that ends an overlap, for whoever has no
 //! solver.
@@ -81,7 +82,9 @@ mod rounded;
 mod separation;
 mod shape;
 mod shape_ray;
+mod sweep;
 mod text;
+mod turning_cast;
 
 pub use between::{PlacedShape, ShapeQueryError, query_shapes};
 pub use cast::{PrimitiveCast, PrimitiveCastOptions, cast_primitive};
@@ -95,6 +98,7 @@ pub use rounded::{Rounded, rounded, rounded_contacts, rounded_separation};
 pub use separation::{Separation, meets, separation};
 pub use shape::BodyShape;
 pub use shape_ray::{ShapeRayHit, cast_ray_at_shape, separation_of_point};
+pub use sweep::{MovingShape, SweepError, Swept, first_meeting, last_apart};
 pub use text::UnknownPrimitive;
 
 // The example of the README must compile and run as well.

@@ -38,7 +38,10 @@ const TABLE: &[(&str, &[&str])] = &[
         "cranny-estimate",
         &["cranny-exact", "cranny-geometry", "cranny-concavity", "cranny-narrow-phase"],
     ),
-    ("cranny-primitives", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
+    (
+        "cranny-primitives",
+        &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-impact"],
+    ),
     (
         "cranny-world",
         &[

@@ -46,7 +46,7 @@ fn name_new(
     }
 }
 
-/// Names all bodies again, where what is asked has changed.
+/// Names all bodies again, where effects have changed.
 fn name_bodies(
     effects: Res<EffectTable>,
     known: Query<(&Body, &SolverBody)>,

@@ -1,25 +1,27 @@
 //! Kinematic bodies that follow their velocities: once they have moved, the way of each is held
 //! against those of the bodies around it, and whoever would have met something stays just before.
+//! What touches or overlaps another one when a step begins is not held against that one.
 //!
 //! There is no solver that pushes them back, so slow ways count as fast ones do: a body that is led
 //! into a wall stands before it until it is led elsewhere, and does not slide along.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_broad_phase::BoxIndex;
 use cranny_exact::{Aabb, Pose};
-use cranny_impact::{Motion, Way, shorten};
-use cranny_narrow_phase::{Demand, PairMemory, Query as PairQuery};
-use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
+use cranny_impact::{ImpactOptions, Motion, Way, shorten};
+use cranny_primitives::{BodyShape, MovingShape, last_apart};
 use cranny_world::{BodyId, world_box};
 
 use super::HeldBack;
-use crate::body::{Bodies, Body, pose_of, transform_of};
+use crate::body::{Bodies, Body, pose_of, transform_of, widened};
+use crate::clock::SimulatedTime;
 use crate::effects::EffectTable;
 use crate::kinematics::Kinematic;
-use crate::sweep::{MovingShape, Swept, first_meeting};
+use crate::properties::AngularVelocity;
 
 /// How near a body is let to what it would meet, as a part of the smaller one's size. Larger: it
 /// stops visibly short; smaller: single precision does not tell the gap from none.
@@ -45,8 +47,9 @@ pub(super) fn note_starts(
 
 /// Puts bodies back to where their ways end.
 pub(super) fn hold_back(
-    mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>)>,
+    mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>, &AngularVelocity)>,
     starts: Res<Starts>,
+    time: Res<SimulatedTime>,
     records: Res<Bodies>,
     effects: Res<EffectTable>,
     mut held: ResMut<HeldBack>,
@@ -56,19 +59,22 @@ pub(super) fn hold_back(
     }
     let mut traffic = Traffic { records: &records, giving: BTreeMap::new() };
     let mut ways = BTreeMap::new();
-    for (body, transform, is_kinematic) in &bodies {
+    for (body, transform, is_kinematic, angular) in &bodies {
         let (Some(record), Some(&start)) = (records.get(body.id), starts.0.get(&body.id)) else {
             continue;
         };
         let motion = Motion::between(start, pose_of(transform), record.shape.center());
-        let way = Way::whole(motion);
+        let spin = time.step() * widened(angular.0);
+        // Two poses do not say that a body turned by more than half a turn.
+        let turn = if is_kinematic && spin.length() > PI { spin } else { motion.turn };
+        let way = Way::whole(Motion { turn, ..motion });
         traffic.giving.insert(body.id, is_kinematic && way.moves());
         ways.insert(body.id, way);
     }
     let pairs = traffic.pairs(&ways, &effects);
     let gives_way = |body: BodyId| traffic.giving[&body];
     shorten(&mut ways, &pairs, gives_way, |pair, motions| traffic.meeting(pair, motions));
-    for (body, mut transform, _) in &mut bodies {
+    for (body, mut transform, ..) in &mut bodies {
         let Some(way) = ways.get(&body.id).filter(|way| way.is_shortened()) else { continue };
         let scale = transform.scale;
         *transform = Transform { scale, ..transform_of(&way.motion.pose_at(way.until)) };
@@ -108,41 +114,15 @@ impl<'a> Traffic<'a> {
         pairs
     }
 
-    /// At which share of the motions two bodies come as near each other as they are let. `None`
-    /// also where they touch or overlap at the beginning, and for numbers that are refused: those
-    /// are reported by whoever detects the pair.
+    /// At which share of the motions two bodies come as near each other as they are let, in
+    /// `Transform`'s numbers. `None` also where they touch or overlap at the beginning.
     fn meeting(&self, pair: [BodyId; 2], motions: [Motion; 2]) -> Option<f64> {
         let shapes = pair.map(|body| self.shape(body));
-        let [a, b] = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
-        let time = match first_meeting(a, b).ok()? {
-            Swept::Free | Swept::Initially => return None,
-            Swept::Hit { time, .. } => time,
-            Swept::Open { free_before } => free_before,
-        };
+        let ends = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
         let sizes = shapes.map(size);
-        let travel = motions[0].travel.distance(motions[1].travel)
-            + motions[0].turn.length() * sizes[0]
-            + motions[1].turn.length() * sizes[1];
-        Some(free_until([a, b], time, NEAR * sizes[0].min(sizes[1]) / travel))
+        let options = ImpactOptions::within(NEAR * sizes[0].min(sizes[1]));
+        last_apart(ends, &options, |pose| pose_of(&transform_of(pose)))
     }
-}
-
-/// A time before the given one, by `back` or more, at which bodies are apart in `Transform`'s
-/// numbers; 0 where there is none.
-fn free_until(ends: [MovingShape<'_>; 2], time: f64, mut back: f64) -> f64 {
-    let verdict = PairQuery::of(Demand::Intersects);
-    while back < time {
-        let [a, b] = ends.map(|end| PlacedShape {
-            shape: end.shape,
-            pose: pose_of(&transform_of(&end.motion.pose_at(time - back))),
-        });
-        let answer = query_shapes(a, b, &verdict, &mut PairMemory::default());
-        if answer.is_ok_and(|answer| !answer.touches()) {
-            return time - back;
-        }
-        back *= 2.0;
-    }
-    0.0
 }
 
 /// Whether one of two bodies is named, and neither is there to be noticed only.

@@ -7,6 +7,7 @@ mod collisions;
 mod comings;
 #[cfg(feature = "rapier")]
 mod continuous;
+mod continuous_unsolved;
 #[cfg(feature = "rapier")]
 mod deformation;
 mod detection;

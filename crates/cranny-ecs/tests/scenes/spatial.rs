@@ -164,6 +164,11 @@ fn numbers_that_are_none_are_refused() {
     assert!(ray.to_string().contains("origin"), "{ray}");
     let cast = |spatial: &SpatialQuery| spatial.cast_shape(&unit(), &up(0.0), nan, &all());
     assert!(room.ask(cast).unwrap_err().to_string().contains("travel"));
+    let away = Transform::from_translation(nan);
+    let cast = |spatial: &SpatialQuery| spatial.cast_shape(&unit(), &away, Vec3::X, &all());
+    assert!(room.ask(cast).unwrap_err().to_string().contains("pose"));
+    let overlaps = |spatial: &SpatialQuery| spatial.shape_intersections(&unit(), &away, &all());
+    assert!(room.ask(overlaps).unwrap_err().to_string().contains("pose"));
     let point = room.ask(|spatial| spatial.project_point(nan, 1.0, &all()).unwrap_err());
     assert!(point.to_string().contains("point"), "{point}");
 }

@@ -1,5 +1,6 @@
 //! Questions about places are led by a tree of boxes: a walk over all bodies says the same.
 
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{RunSystemOnce, SystemState};
 use bevy_math::{Dir3, Quat, Vec3};
@@ -160,6 +161,93 @@ fn a_system_sees_what_has_moved_come_and_gone_since() {
     assert_eq!(first(&mut app), None);
 }
 
+/// A body that is asked about no longer for a while moves none of the others, and comes back.
+#[test]
+fn a_system_sees_what_is_disabled_and_comes_back() {
+    let changes: [(fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
+        (|body| _ = body.insert(Disabled), |body| _ = body.remove::<Disabled>()),
+        (
+            |body| _ = body.remove::<LinearVelocity>(),
+            |body| _ = body.insert(LinearVelocity::default()),
+        ),
+    ];
+    for (away, back) in changes {
+        let mut app = empty(&[]);
+        let [upper, lower] = [0.0, -5.0].map(|z| world(&mut app).spawn((unit(), up(z))).id());
+        steps(&mut app, 1);
+        let mut state = SystemState::<SpatialQuery>::new(world(&mut app));
+        let mut first = |app: &mut SceneApp| {
+            let spatial = state.get(world(app)).unwrap();
+            let from = Vec3::new(0.0, 0.0, 50.0);
+            spatial.cast_ray(from, Dir3::NEG_Z, 100.0, &all()).unwrap().map(|hit| hit.entity)
+        };
+        assert_eq!(first(&mut app), Some(upper));
+        away(&mut world(&mut app).entity_mut(upper));
+        assert_eq!([first(&mut app), first(&mut app)], [Some(lower); 2]);
+        back(&mut world(&mut app).entity_mut(upper));
+        assert_eq!(first(&mut app), Some(upper));
+    }
+}
+
+/// A tree is made again where a body moves, comes or leaves; a step alone is no reason.
+#[test]
+fn a_step_in_which_nobody_comes_or_leaves_changes_no_body() {
+    #[derive(Resource, Default)]
+    struct Changes(Vec<bool>);
+    let mut app = empty(&[]);
+    let note = |bodies: Res<Bodies>, mut changes: ResMut<Changes>| {
+        changes.0.push(bodies.is_changed());
+    };
+    world(&mut app).init_resource::<Changes>();
+    app.app_mut().add_systems(CrannyStep, note.in_set(StepSystems::Draw));
+    let body = world(&mut app).spawn((unit(), up(0.0))).id();
+    steps(&mut app, 3);
+    world(&mut app).despawn(body);
+    steps(&mut app, 4);
+    let changes = &world(&mut app).resource::<Changes>().0;
+    assert_eq!(*changes, [true, false, false, true, true, false, false]);
+}
+
+/// Boxes whose upper sides lie in one plane are met at one distance: the lowest id is the first.
+#[test]
+fn of_bodies_that_are_met_at_once_the_lowest_id_is_the_first() {
+    let mut rng = Rng::new(4);
+    for _ in 0..20 {
+        let mut app = empty(&[]);
+        let height = 10.0 * rng.unit() as f32;
+        let mut place = || Transform::from_xyz(0.4 * rng.unit() as f32, 0.0, height);
+        let bodies: Vec<Entity> =
+            (0..20).map(|_| world(&mut app).spawn((unit(), place())).id()).collect();
+        steps(&mut app, 1);
+        let from = Vec3::new(0.0, 0.0, 31.7);
+        let first = ask(&mut app, |spatial| spatial.cast_ray(from, Dir3::NEG_Z, 100.0, &all()));
+        assert_eq!(first.unwrap().map(|hit| hit.entity), Some(bodies[0]));
+    }
+}
+
+#[test]
+fn rays_from_afar_meet_what_is_near_and_what_is_far() {
+    for far in [1e3_f32, 1e9, 1e14, 1e16, 1e20] {
+        let mut app = empty(&[]);
+        let near = world(&mut app).spawn((cuboid([8.0; 3]), up(0.0))).id();
+        let large = Collider::ball(f64::from(far) / 4.0);
+        let away = world(&mut app).spawn((large, up(far))).id();
+        steps(&mut app, 1);
+        let first = |app: &mut SceneApp, z: f32, but: Entity| {
+            let filter = SpatialQueryFilter::from_excluded_entities([but]);
+            let from = Vec3::new(0.0, 0.0, z);
+            let hit = ask(app, |spatial| {
+                spatial.cast_ray(from, Dir3::Z, f64::INFINITY, &filter).unwrap()
+            });
+            hit.map(|hit| (hit.entity, hit.distance / f64::from(far)))
+        };
+        let (met, share) = first(&mut app, -10.0, near).unwrap();
+        assert!(met == away && (share - 0.75).abs() < 0.02, "{far}: {share}");
+        let (met, share) = first(&mut app, -far, away).unwrap();
+        assert!(met == near && (share - 1.0).abs() < 0.02, "{far}: {share}");
+    }
+}
+
 /// Between two questions of one run, bodies may move as well.
 #[test]
 fn what_moves_between_two_questions_of_a_run_is_seen() {
@@ -208,6 +296,11 @@ fn what_lies_wholly_in_another_is_contained() {
         .map(|(outer, inner)| contains(spatial, outer, inner).unwrap())
     });
     assert_eq!(held, [true, false, false, true, true, false]);
+    // From inside it may touch the surface.
+    for (z, is_contained) in [(4.0, true), (4.01, false)] {
+        *world(&mut app).get_mut::<Transform>(inner).unwrap() = up(z);
+        assert_eq!(ask(&mut app, |spatial| contains(spatial, hall, inner)), Ok(is_contained));
+    }
     let refused = ask(&mut app, |spatial| contains(spatial, globe, pearl).unwrap_err());
     assert!(refused.to_string().contains("must be a mesh"), "{refused}");
 }

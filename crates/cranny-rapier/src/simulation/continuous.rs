@@ -2,8 +2,8 @@
 //!
 //! The solver looks ahead by what it knows at the beginning of a step. What is faster than that can
 //! be beyond a thin wall at its end. So once rapier has moved the bodies, the way of each one that
-//! is named for it is held against those of the bodies around it, by the certified time of impact,
-//! and whoever would have met something on its way stays where it was just before. It keeps its
+//! is named for it is held against those of the bodies around it, by the time of their first
+//! meeting, and whoever would have met something on its way stays where it was just before. It keeps its
 //! velocity: the next step finds the contact, and solves it.
 //!
 //! Ways are screws from the pose before to the pose after; [`shorten`] settles them among several
@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
-use cranny_impact::{Impact, ImpactOptions, Motion, Moving, Way, shorten, time_of_impact};
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_impact::{ImpactOptions, Motion, Way, shorten};
+use cranny_primitives::{BodyShape, MovingShape, last_apart};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::QueryFilter;
@@ -22,8 +22,10 @@ use rapier3d::prelude::QueryFilter;
 use super::hooks::StepHooks;
 use super::{BodyIndex, Simulation};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
+use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
 use crate::pair::ours;
+use crate::partners::primitive;
 
 /// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
 /// it hovers; smaller: f32 does not tell the gap from none.
@@ -45,8 +47,8 @@ const BUDGET: u64 = 200_000;
 impl Simulation {
     /// Says whether a body passes through no other one, and no other one through it, however fast,
     /// from now on; until then it may, where it moves by more than its radius in a step. It costs a
-    /// certified time of impact for each body that is near its way, in steps in which it moves by
-    /// more than half of what the thinner of both is thick. With our detector, and where neither is
+    /// sweep for each body that is near its way, certified between meshes, in steps in which it
+    /// moves by more than half of what the thinner of both is thick. With our detector, and where neither is
     /// overlapped by the other already; kinematic bodies and links of a robot are not held back. Of
     /// hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
     pub fn set_continuous(&mut self, body: BodyIndex, continuous: bool) {
@@ -68,7 +70,7 @@ impl Simulation {
         let named: Vec<BodyIndex> =
             self.indices().filter(|&index| self.body(index).is_ccd_enabled()).collect();
         let mut ways = BTreeMap::new();
-        if !named.is_empty() {
+        if !named.is_empty() && self.options.detector == Detector::Cranny {
             ways.extend(self.indices().map(|body| (body, self.way_of(body))));
             let pairs = self.pairs_on_the_way(&named, &ways, hooks);
             let gives_way = |body| self.can_be_held(body);
@@ -113,6 +115,17 @@ impl Simulation {
     pub(super) fn model_of(&self, body: BodyIndex) -> Option<&Model> {
         let collider = self.colliders.get(self.tagged[body.0 as usize].collider)?;
         Some(ours(collider.shape())?.model())
+    }
+
+    /// What a body is made of, if Cranny knows it.
+    fn shape_of(&self, body: BodyIndex) -> Option<BodyShape> {
+        let collider = self.colliders.get(self.tagged[body.0 as usize].collider)?;
+        if let Some(shape) = ours(collider.shape()) {
+            return Some(shape.model().into());
+        }
+        let place = collider.position_wrt_parent().copied().unwrap_or_default();
+        let body_from_shape = pose_from_rapier(&place).world_from_body();
+        Some(primitive(collider.shape())?.moved(&body_from_shape).into())
     }
 
     /// Pairs of bodies, one of them named, that may meet on their ways.
@@ -198,40 +211,16 @@ impl Simulation {
     }
 
     /// At which share of the ways that are left two bodies come as near each other as they are let,
-    /// to a factor of two. `None` also where they touch or overlap at the beginning.
+    /// to a factor of two and in rapier's numbers. `None` also where they touch or overlap at the
+    /// beginning.
     fn meeting(&self, pair: [BodyIndex; 2], motions: [Motion; 2]) -> Option<f64> {
-        let moving = |k: usize| Some(Moving { model: self.model_of(pair[k])?, motion: motions[k] });
-        let ends = [moving(0)?, moving(1)?];
+        let shapes = [self.shape_of(pair[0])?, self.shape_of(pair[1])?];
+        let ends = [0, 1].map(|k| MovingShape { shape: &shapes[k], motion: motions[k] });
         let sizes = pair.map(|body| {
             let tagged = &self.tagged[body.0 as usize];
             f64::from(tagged.thickness.min(tagged.radius))
         });
-        let tolerance = NEAR * sizes[0].min(sizes[1]);
-        let options = ImpactOptions { tolerance, budget: BUDGET };
-        let time = match time_of_impact(ends[0], ends[1], &options) {
-            Ok((Impact::None | Impact::Initially { .. }, _)) | Err(_) => return None,
-            Ok((Impact::Hit(hit), _)) => hit.time.lo,
-            Ok((Impact::Open { free_before }, _)) => free_before,
-        };
-        // They may touch at that time.
-        let travel = self.travel_beside(pair, ends.map(|end| end.motion));
-        Some(free_until(&ends, time, tolerance / travel))
+        let options = ImpactOptions { tolerance: NEAR * sizes[0].min(sizes[1]), budget: BUDGET };
+        last_apart(ends, &options, |pose| pose_from_rapier(&pose_to_rapier(pose)))
     }
-}
-
-/// A time before the given one, by `back` or more, at which bodies are apart in rapier's numbers; 0
-/// where there is none.
-fn free_until(ends: &[Moving<'_>; 2], time: f64, mut back: f64) -> f64 {
-    let ask = Query::of(Demand::Intersects);
-    while back < time {
-        let [a, b] = ends.map(|end| {
-            let pose = pose_from_rapier(&pose_to_rapier(&end.motion.pose_at(time - back)));
-            Placed { model: end.model, pose }
-        });
-        if query(a, b, &ask, &mut PairMemory::default()).is_ok_and(|answer| !answer.touches()) {
-            return time - back;
-        }
-        back *= 2.0;
-    }
-    0.0
 }

@@ -2,7 +2,8 @@
 
 use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Demand, PairMemory, Query};
+use cranny_primitives::{Ball, BodyShape, Capsule, Cylinder, PlacedShape, Primitive, query_shapes};
 use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, JointSpec, MassSource, Motor, Resistance, Simulation,
     SimulationOptions, StatedMass,
@@ -53,10 +54,14 @@ fn world() -> Simulation {
     Simulation::new(SimulationOptions { gravity: DVec3::ZERO, ..SimulationOptions::default() })
 }
 
+fn of_shape(shape: &BodyShape, kind: BodyKind) -> BodySpec {
+    BodySpec { shape: shape.clone(), ..spec(&cuboid(1.0, 1.0, 1.0), kind, DVec3::ZERO) }
+}
+
 /// From 3 before a wall across x, at 20 to 400 a second, tumbling.
-fn thrown(wall: &Model, body: &Model, rng: &mut Rng) -> Throw {
+fn thrown(wall: &BodyShape, body: &BodyShape, rng: &mut Rng) -> Throw {
     let mut simulation = world();
-    simulation.insert(&spec(wall, BodyKind::Fixed, DVec3::ZERO)).expect("a wall");
+    simulation.insert(&of_shape(wall, BodyKind::Fixed)).expect("a wall");
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| size * rng.unit()));
     let from = vector(1.0) - DVec3::new(4.0, 0.0, 0.0);
     let way = (vector(2.0) * DVec3::new(0.0, 1.0, 1.0) - from).normalize();
@@ -67,7 +72,7 @@ fn thrown(wall: &Model, body: &Model, rng: &mut Rng) -> Throw {
         pose,
         linear_velocity: speed * way,
         angular_velocity,
-        ..spec(body, BodyKind::Dynamic, DVec3::ZERO)
+        ..of_shape(body, BodyKind::Dynamic)
     };
     let body = simulation.insert(&thrown).expect("a body");
     Throw { simulation, body }
@@ -86,30 +91,42 @@ struct Thrown {
 
 fn throws(count: usize, continuous: bool) -> Thrown {
     let walls = [0.005, 0.02, 0.05].map(corrugated);
+    throws_at(&walls.map(BodyShape::from), &solids(), count, continuous)
+}
+
+/// A hook, a ring and a bar.
+fn solids() -> [BodyShape; 3] {
     let ring =
         Torus { major_radius: 0.5, minor_radius: 0.08, major_segments: 24, minor_segments: 8 };
     let bar = Cuboid { size: [1.5, 0.1, 0.1] };
-    let bodies = [Hook::default().build(), ring.build(), bar.build()].map(|m| built(m.unwrap()));
+    [Hook::default().build(), ring.build(), bar.build()].map(|m| built(m.unwrap()).into())
+}
+
+/// Each of the bodies at each of the walls, in turn.
+fn throws_at(walls: &[BodyShape], bodies: &[BodyShape], count: usize, continuous: bool) -> Thrown {
     let mut rng = Rng::new(1);
     let mut found = Thrown::default();
     for i in 0..count {
-        let (wall, model) = (&walls[i / 3 % 3], &bodies[i % 3]);
-        let Throw { mut simulation, body } = thrown(wall, model, &mut rng);
+        let (wall, shape) = (&walls[i / bodies.len() % walls.len()], &bodies[i % bodies.len()]);
+        let Throw { mut simulation, body } = thrown(wall, shape, &mut rng);
         simulation.set_continuous(body, continuous);
+        let mut crossed = None;
         for _ in 0..30 {
             simulation.step();
+            // The folds reach to 0.2.
+            let at = simulation.pose(body).world_from_body().apply(shape.center());
+            crossed = crossed.or((at.x > 0.3).then_some(at));
             if simulation.held_back() > 0 {
-                let wall = Placed { model: wall, pose: Pose::IDENTITY };
-                let held = Placed { model, pose: simulation.pose(body) };
+                let wall = PlacedShape { shape: wall, pose: Pose::IDENTITY };
+                let held = PlacedShape { shape, pose: simulation.pose(body) };
                 let ask = Query::of(Demand::Intersects);
-                let answer = query(wall, held, &ask, &mut PairMemory::default()).expect("poses");
+                let answer = query_shapes(wall, held, &ask, &mut PairMemory::default());
+                let answer = answer.expect("poses");
                 found.touching += usize::from(answer.touches());
             }
         }
-        let center = model.mass_properties().expect("a solid").center;
-        // The folds reach to 0.2.
-        let at = simulation.pose(body).world_from_body().apply(center);
-        found.behind += usize::from(at.x > 0.3);
+        // What slides beyond the wall's end passes nothing.
+        found.behind += usize::from(crossed.is_some_and(|at| at.y.abs().max(at.z.abs()) < 12.0));
         found.hanging += simulation.held_back();
     }
     found
@@ -126,6 +143,29 @@ fn nothing_that_is_named_passes_or_hangs_in_a_thousand_throws() {
 fn much_passes_that_is_not_named() {
     let found = throws(1_000, false);
     assert!(found.behind > 400, "{found:?}"); // 470
+}
+
+/// Balls, capsules and cylinders at sheets, and whatever flies at a thin disc.
+#[test]
+fn primitives_pass_nothing_and_nothing_passes_them() {
+    let ball = Ball { center: DVec3::ZERO, radius: 0.1 };
+    let capsule = Capsule { ends: [DVec3::NEG_X * 0.4, DVec3::X * 0.4], radius: 0.06 };
+    let coin = cylinder(DVec3::Y, 0.02, 0.3);
+    let round: [BodyShape; 3] =
+        [ball.into(), capsule.into(), coin].map(|shape: Primitive| shape.into());
+    let sheets = [0.005, 0.05].map(|thick| BodyShape::from(corrugated(thick)));
+    let disc = [cylinder(DVec3::X, 0.005, 20.0).into()];
+    let all = [solids(), round.clone()].concat();
+    for (walls, bodies, least) in [(&sheets[..], &round[..], 15), (&disc, &all, 100)] {
+        let named = throws_at(walls, bodies, 300, true);
+        assert_eq!(named.behind, 0, "{named:?}");
+        let unnamed = throws_at(walls, bodies, 300, false);
+        assert!(unnamed.behind > least && named.hanging < 20, "{unnamed:?} {named:?}");
+    }
+}
+
+fn cylinder(axis: DVec3, half_height: f64, radius: f64) -> Primitive {
+    Cylinder { center: DVec3::ZERO, axis, half_height, radius, border: 0.0 }.into()
 }
 
 /// A hollow cube, 4 wide outside, with walls so thick and ribs inside.

@@ -202,12 +202,16 @@ const WORDS: [(&str, &str); 9] = [
 
 fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
     page.heading("What it does to the motion");
-    page.paragraph(
+    let is_level =
+        |run: &RunFigures| Detector::LEVELS.map(|d| d.name()).contains(&run.setting.detector);
+    let has_levels = runs.iter().any(is_level);
+    let levels = "Three rows give the solver what a level knows in place of the meshes: their \
+                  boxes, their hulls, the boxes of their trees. ";
+    page.paragraph(&format!(
         "The whole scene under each detector, with the same solver: what a step takes, and what \
-         becomes of the bodies. Three rows give the solver what a level knows in place of the meshes: \
-         their boxes, their hulls, the boxes of their trees. Depths are exact answers at the poses \
-         that each detector led to.",
-    );
+         becomes of the bodies. {}Depths are exact answers at the poses that each detector led to.",
+        if has_levels { levels } else { "" },
+    ));
     if let Some(svg) = compare::chart::outcome(runs)? {
         page.drawing(
             &svg,

@@ -1,0 +1,430 @@
+//! When two shapes first meet as they move: certified for two meshes, to rounding for a primitive
+//! that travels straight beside a mesh. Where one of them turns, and for two primitives, by steps
+//! that are too short to meet within, each as long as the distance allows.
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Model;
+use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use thiserror::Error;
+
+use crate::between::{PlacedShape, ShapeQueryError, query_shapes};
+use crate::cast::{PrimitiveCast, PrimitiveCastOptions, cast_primitive};
+use crate::primitive::{Ball, Checked, Primitive, PrimitiveError};
+use crate::separation::{Separation, separation};
+use crate::shape::BodyShape;
+use crate::turning_cast::{TurningCast, turning_along};
+
+/// Steps of a way beside a primitive. More: what passes closely takes long; fewer: it is left open.
+const MOST_STEPS: usize = 1_000;
+
+/// The share of a way by which a body backs off at least from what it would meet. Larger: bodies
+/// stop visibly short; smaller: single precision does not tell such poses apart.
+const LEAST_BACK: f64 = 1.0 / 16_777_216.0;
+
+/// A shape on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingShape<'a> {
+    /// What.
+    pub shape: &'a BodyShape,
+    /// How, over the time from 0 to 1.
+    pub motion: Motion,
+}
+
+/// When two shapes meet, as a share of their ways.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swept {
+    /// Nowhere.
+    Free,
+    /// They touch at the beginning.
+    Initially,
+    /// For the first time.
+    Hit {
+        /// Free until then.
+        time: f64,
+        /// On the second shape, in world coordinates.
+        point: DVec3,
+        /// Unit, from the first to the second.
+        normal: DVec3,
+    },
+    /// It took too much work to decide.
+    Open {
+        /// Free until then, unknown from then on.
+        free_before: f64,
+    },
+}
+
+/// A sweep that is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SweepError {
+    /// A pose or a number of a shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeQueryError),
+    /// A number of a primitive.
+    #[error(transparent)]
+    Primitive(#[from] PrimitiveError),
+    /// A motion.
+    #[error(transparent)]
+    Motion(#[from] ImpactError),
+}
+
+/// When two shapes first meet. Surfaces that are as near as `options.tolerance`, in units of
+/// length, may count as meeting; shapes that are apart at the beginning are not met then.
+///
+/// # Errors
+///
+/// [`SweepError`] for a shape or a motion with an invalid number.
+pub fn first_meeting(
+    a: MovingShape<'_>,
+    b: MovingShape<'_>,
+    options: &ImpactOptions,
+) -> Result<Swept, SweepError> {
+    let [a, b] = [a, b].map(without_idle_turn);
+    match (a.shape, b.shape) {
+        (BodyShape::Model(first), BodyShape::Model(second)) => {
+            let [a, b] = [(first, a.motion), (second, b.motion)]
+                .map(|(model, motion)| Moving { model, motion });
+            Ok(certified(a, b, options)?)
+        }
+        (BodyShape::Model(model), BodyShape::Primitive(primitive)) => {
+            beside(model, a.motion, primitive, b.motion, options.tolerance)
+        }
+        (BodyShape::Primitive(primitive), BodyShape::Model(model)) => {
+            let found = beside(model, b.motion, primitive, a.motion, options.tolerance)?;
+            Ok(with_primitive_first(found))
+        }
+        (BodyShape::Primitive(_), BodyShape::Primitive(_)) => advanced(a, b, options.tolerance),
+    }
+}
+
+/// The last share of two motions, from 0 to 1, at which shapes are still apart, in the numbers in
+/// which poses are stored, before they first meet; 0 where they cannot move. It is before their
+/// meeting by about `options.tolerance`. `None` where they do not meet, where they touch or overlap
+/// at the beginning, and for numbers that are refused: those are reported by whoever detects the
+/// pair.
+pub fn last_apart(
+    ends: [MovingShape<'_>; 2],
+    options: &ImpactOptions,
+    stored: impl Fn(&Pose) -> Pose,
+) -> Option<f64> {
+    let verdict = Query::of(Demand::Intersects);
+    let are_apart = |time: f64| {
+        let [a, b] = ends
+            .map(|end| PlacedShape { shape: end.shape, pose: stored(&end.motion.pose_at(time)) });
+        let answer = query_shapes(a, b, &verdict, &mut PairMemory::default());
+        answer.is_ok_and(|answer| !answer.touches())
+    };
+    let time = match first_meeting(ends[0], ends[1], options).ok()? {
+        Swept::Initially => return None,
+        Swept::Free if are_apart(1.0) => return None,
+        Swept::Free => 1.0,
+        Swept::Hit { time, .. } => time,
+        Swept::Open { free_before } => free_before,
+    };
+    let mut back = (options.tolerance / speed(&ends[0], &ends[1])).max(LEAST_BACK);
+    while back < time {
+        if are_apart(time - back) {
+            return Some(time - back);
+        }
+        back *= 2.0;
+    }
+    Some(0.0)
+}
+
+/// How fast a point of one moves beside the other, at most.
+fn speed(a: &MovingShape<'_>, b: &MovingShape<'_>) -> f64 {
+    let turning = |moving: &MovingShape<'_>| match moving.motion.turn.length() {
+        0.0 => 0.0,
+        angle => angle * moving.shape.radius_about(moving.motion.pivot),
+    };
+    a.motion.travel.distance(b.motion.travel) + turning(a) + turning(b)
+}
+
+fn certified(a: Moving<'_>, b: Moving<'_>, options: &ImpactOptions) -> Result<Swept, ImpactError> {
+    let (impact, _) = time_of_impact(a, b, options)?;
+    Ok(match impact {
+        Impact::None => Swept::Free,
+        Impact::Initially { .. } => Swept::Initially,
+        Impact::Hit(hit) => {
+            let (point, normal) = (hit.witnesses[1].point, hit.normal);
+            Swept::Hit { time: hit.time.lo, point, normal }
+        }
+        Impact::Open { free_before } => Swept::Open { free_before },
+    })
+}
+
+/// A ball that turns about its centre does not turn.
+fn without_idle_turn(moving: MovingShape<'_>) -> MovingShape<'_> {
+    let MovingShape { shape, motion } = moving;
+    match shape.primitive() {
+        Some(Primitive::Ball(Ball { center, .. })) if *center == motion.pivot => {
+            MovingShape { shape, motion: Motion { turn: DVec3::ZERO, ..motion } }
+        }
+        _ => moving,
+    }
+}
+
+/// Of a model, which is the first, and a primitive.
+fn beside(
+    model: &Model,
+    of_model: Motion,
+    primitive: &Primitive,
+    own: Motion,
+    tolerance: f64,
+) -> Result<Swept, SweepError> {
+    let place = of_model.start.inverse().compose(&own.start);
+    let in_model = primitive.moved(&place.world_from_body());
+    if separation(model, &in_model, 0.0)? == Separation::Meeting {
+        return Ok(Swept::Initially);
+    }
+    if [of_model, own].iter().all(|motion| motion.turn == DVec3::ZERO) {
+        return Ok(cast(model, of_model, &in_model, own.travel)?);
+    }
+    match primitive.checked()? {
+        Checked::Round(solid) => {
+            let reach = primitive.radius_about(own.pivot);
+            let solid = &solid;
+            Ok(TurningCast { model, of_model, solid, own, reach, tolerance }.first())
+        }
+        Checked::HalfSpace(_) => {
+            let shapes = [BodyShape::from(model), BodyShape::from(*primitive)];
+            let [a, b] = [(&shapes[0], of_model), (&shapes[1], own)]
+                .map(|(shape, motion)| MovingShape { shape, motion });
+            advanced(a, b, tolerance)
+        }
+    }
+}
+
+/// The same, of two that are apart at the beginning and do not turn; the primitive is given in the
+/// model's frame.
+fn cast(
+    model: &Model,
+    of_model: Motion,
+    primitive: &Primitive,
+    travel: DVec3,
+) -> Result<Swept, PrimitiveError> {
+    let world_from_model = of_model.start.world_from_body();
+    let beside = world_from_model.inverse().apply_vector(travel - of_model.travel);
+    let options = PrimitiveCastOptions { gap: 0.0, stops_at_overlap: true };
+    let hit = |time: f64, on_primitive: DVec3, normal: DVec3| Swept::Hit {
+        time,
+        point: world_from_model.apply(on_primitive) + time * of_model.travel,
+        normal: world_from_model.apply_vector(normal),
+    };
+    Ok(match cast_primitive(model, primitive, beside, &options)? {
+        PrimitiveCast::Free => Swept::Free,
+        PrimitiveCast::Hit { time, on_primitive, normal, .. } => hit(time, on_primitive, normal),
+        // They come nearer, and are as near as the cast tells.
+        PrimitiveCast::Initially => match separation(model, primitive, f64::INFINITY)? {
+            Separation::Apart { witnesses: [on_model, on_primitive], .. } => {
+                hit(0.0, on_primitive, (on_primitive - on_model).normalize_or_zero())
+            }
+            Separation::Meeting | Separation::Farther => Swept::Initially,
+        },
+    })
+}
+
+/// The same where the primitive is the first: at their meeting they share the point.
+fn with_primitive_first(found: Swept) -> Swept {
+    match found {
+        Swept::Hit { time, point, normal } => Swept::Hit { time, point, normal: -normal },
+        other => other,
+    }
+}
+
+/// Of two primitives, or of a half-space and whatever is above it: a plane across the way between
+/// the nearest points parts them. Until their distance is spent by what moves along that way,
+/// nothing is met (conservative advancement).
+fn advanced(a: MovingShape<'_>, b: MovingShape<'_>, tolerance: f64) -> Result<Swept, SweepError> {
+    let travel = a.motion.travel - b.motion.travel;
+    let along = |way: DVec3| travel.dot(way).max(0.0) + turning(&a, way) + turning(&b, way);
+    // Two half-spaces that move have no size to go by.
+    let mut tolerance = if tolerance.is_finite() { tolerance } else { 0.0 };
+    let mut time = 0.0;
+    for _ in 0..MOST_STEPS {
+        let answer = at(a, b, time)?;
+        if time == 0.0 {
+            if answer.touches() {
+                return Ok(Swept::Initially);
+            }
+            // What is nearer than that already is not met by it.
+            tolerance = tolerance.min(0.5 * answer.separation.lo);
+        }
+        if answer.distance.unwrap_or(0.0) <= tolerance {
+            return Ok(ended(&answer, time));
+        }
+        let closing = normal(&answer).map_or_else(|| speed(&a, &b), along);
+        let step = (answer.separation.lo - 0.5 * tolerance) / closing;
+        if closing == 0.0 || time + step >= 1.0 {
+            return Ok(Swept::Free);
+        }
+        time += step;
+    }
+    Ok(Swept::Open { free_before: time })
+}
+
+/// From the nearest point of the first to that of the second, of length 1.
+fn normal(answer: &Answer) -> Option<DVec3> {
+    let [p, q] = answer.witnesses?.map(|witness| witness.point);
+    (q - p).try_normalize()
+}
+
+/// How far a point of a shape moves along a direction by turning, at most.
+fn turning(moving: &MovingShape<'_>, along: DVec3) -> f64 {
+    let angle = turning_along(&moving.motion, along);
+    if angle == 0.0 { 0.0 } else { angle * moving.shape.radius_about(moving.motion.pivot) }
+}
+
+fn at(a: MovingShape<'_>, b: MovingShape<'_>, time: f64) -> Result<Answer, ShapeQueryError> {
+    let [a, b] = [a, b].map(|m| PlacedShape { shape: m.shape, pose: m.motion.pose_at(time) });
+    let nearest = Query::of(Demand::Distance { below: None });
+    query_shapes(a, b, &nearest, &mut PairMemory::default())
+}
+
+/// Where an advance ended.
+fn ended(answer: &Answer, time: f64) -> Swept {
+    let hit = answer.witnesses.zip(normal(answer));
+    match hit {
+        Some(([_, on_second], normal)) => Swept::Hit { time, point: on_second.point, normal },
+        None => Swept::Open { free_before: time },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitive::{Capsule, Cone, Cylinder, HalfSpace};
+    use cranny_exact::DQuat;
+    use cranny_geometry::BuildOptions;
+    use cranny_shapes::{Cup, Shape, Torus};
+    use cranny_testkit::Rng;
+
+    const TOLERANCE: f64 = 1e-4;
+
+    fn built(shape: impl Into<Shape>) -> BodyShape {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0.into()
+    }
+
+    fn shapes() -> Vec<BodyShape> {
+        let (center, axis, half_height, radius) = (DVec3::ZERO, DVec3::Y, 0.3, 0.2);
+        let primitives: [Primitive; 5] = [
+            Ball { center: DVec3::X * 0.1, radius }.into(),
+            Capsule { ends: [DVec3::NEG_X * 0.5, DVec3::X * 0.4], radius: 0.1 }.into(),
+            Cylinder { center, axis, half_height, radius: 0.4, border: 0.0 }.into(),
+            Cone { center, axis, half_height, radius, border: 0.05 }.into(),
+            HalfSpace { point: center, normal: DVec3::Z }.into(),
+        ];
+        let ring = Torus { major_radius: 0.5, minor_radius: 0.15, ..Torus::default() };
+        let cup = Cup { radius: 0.5, height: 0.8, wall: 0.1, floor: 0.1, segments: 24 };
+        let primitives = primitives.map(BodyShape::from);
+        [&primitives[..], &[built(ring), built(cup)]].concat()
+    }
+
+    fn motion(rng: &mut Rng) -> Motion {
+        let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| size * rng.unit()));
+        let (translation, pivot, turn) = (vector(1.5), vector(0.3), vector(2.0));
+        let travel = vector(0.7) - translation;
+        let rotation: DQuat = rng.rotation();
+        Motion { start: Pose { rotation, translation }, pivot, turn, travel }
+    }
+
+    fn distance(ends: &[MovingShape<'_>; 2], time: f64) -> f64 {
+        at(ends[0], ends[1], time).unwrap().distance.unwrap()
+    }
+
+    /// Of any two shapes that travel and turn: free at every time before they meet, and near then.
+    #[test]
+    fn ways_are_free_before_shapes_meet_and_near_when_they_do() {
+        let shapes = shapes();
+        let mut rng = Rng::new(21);
+        let mut counts = [0; 4];
+        for round in 0..700 {
+            let (i, j) = (round % shapes.len(), round / shapes.len() % shapes.len());
+            let mut moving = |k: usize| MovingShape { shape: &shapes[k], motion: motion(&mut rng) };
+            let mut ends = [moving(i), moving(j)];
+            for (k, end) in ends.iter_mut().enumerate() {
+                let is_endless = end.shape.radius().is_infinite();
+                if is_endless || round % 3 == k {
+                    end.motion.turn = DVec3::ZERO;
+                }
+            }
+            let sampled = |until: f64| {
+                (0..50).map(move |k| until * f64::from(k) / 50.0).map(|time| distance(&ends, time))
+            };
+            let found = first_meeting(ends[0], ends[1], &ImpactOptions::within(TOLERANCE)).unwrap();
+            match found {
+                Swept::Initially => {
+                    counts[0] += 1;
+                    assert_eq!(distance(&ends, 0.0), 0.0);
+                }
+                Swept::Free => {
+                    counts[1] += 1;
+                    assert!(sampled(1.02).all(|distance| distance > 0.0), "{round}");
+                }
+                Swept::Hit { time, point, normal } => {
+                    counts[2] += 1;
+                    assert!(sampled(time).all(|distance| distance > 0.0), "{round}");
+                    assert!(distance(&ends, time) < 1.1 * TOLERANCE, "{round}");
+                    // The point is on the second, and the first is a step against the normal away.
+                    let ball = Primitive::from(Ball { center: point, radius: 2.0 * TOLERANCE });
+                    let ball = BodyShape::from(ball);
+                    let here = PlacedShape { shape: &ball, pose: Pose::IDENTITY };
+                    for end in ends {
+                        let there =
+                            PlacedShape { shape: end.shape, pose: end.motion.pose_at(time) };
+                        let touch = Query::of(Demand::Intersects);
+                        let answer =
+                            query_shapes(here, there, &touch, &mut PairMemory::default()).unwrap();
+                        assert!(answer.touches(), "{round}: {point}");
+                    }
+                    assert!((normal.length() - 1.0).abs() < 1e-9);
+                }
+                Swept::Open { free_before } => {
+                    counts[3] += 1;
+                    assert!(sampled(free_before).all(|distance| distance > 0.0), "{round}");
+                }
+            }
+        }
+        assert!(counts[..3].iter().all(|&count| count > 100) && counts[3] < 40, "{counts:?}");
+    }
+
+    /// In single precision the last time at which two are apart is before they meet.
+    #[test]
+    fn the_last_time_apart_is_just_before_the_meeting() {
+        let [ball, block] = [
+            BodyShape::from(Primitive::from(Ball { center: DVec3::ZERO, radius: 0.5 })),
+            built(cranny_shapes::Cuboid { size: [1.0; 3] }),
+        ];
+        let stored = |pose: &Pose| {
+            let [x, y, z] = pose.translation.to_array().map(|x| f64::from(x as f32));
+            Pose { translation: DVec3::new(x, y, z), ..*pose }
+        };
+        let options = ImpactOptions::within(TOLERANCE);
+        for far in [0.0, 3e4] {
+            let start = Pose::at(DVec3::X * far);
+            let travel = DVec3::X * 10.0;
+            let moving = MovingShape { shape: &ball, motion: Motion::straight(start, travel) };
+            let beside = |x: f64, y: f64| {
+                let start = Pose::at(DVec3::new(far + x, y, 0.0));
+                MovingShape { shape: &block, motion: Motion::at_rest(start) }
+            };
+            let last = last_apart([moving, beside(6.0, 0.0)], &options, stored).unwrap();
+            assert!((0.499..0.5).contains(&last), "{far}: {last}");
+            assert_eq!(last_apart([moving, beside(6.0, 1.1)], &options, stored), None);
+            assert_eq!(last_apart([moving, beside(-6.0, 0.0)], &options, stored), None);
+            assert_eq!(last_apart([moving, beside(0.5, 0.0)], &options, stored), None);
+        }
+        // It ends between two numbers of single precision, and would be rounded into the block.
+        let [from, end] = [3e4, 3e4 + 9.0 + 4e-4];
+        let motion = Motion::straight(Pose::at(DVec3::X * from), DVec3::X * (end - from));
+        let moving = MovingShape { shape: &ball, motion };
+        let wall = Pose::at(DVec3::X * (end + 1.0 + 2e-4));
+        let wall = MovingShape { shape: &block, motion: Motion::at_rest(wall) };
+        let up = |pose: &Pose| {
+            let x = pose.translation.x;
+            Pose { translation: DVec3::X * if x == end { x + 1e-3 } else { x }, ..*pose }
+        };
+        assert_eq!(first_meeting(moving, wall, &options), Ok(Swept::Free));
+        assert!(last_apart([moving, wall], &options, up).is_some_and(|last| last < 1.0));
+    }
+}
