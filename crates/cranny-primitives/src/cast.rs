@@ -219,8 +219,8 @@ impl RoundCast<'_> {
     }
 }
 
-/// Visits the faces that may be met on a way, those of near nodes first. `entry` says when a node is
-/// reached at the earliest, if it is; `visit` up to when faces are sought from then on.
+/// Visits the faces that may be met on a way, those of near nodes first. `entry` says when a node
+/// is reached at the earliest, if it is; `visit` up to when faces are sought from then on.
 pub(crate) fn each_face_on_the_way(
     model: &Model,
     entry: impl Fn(u32) -> Option<f64>,

@@ -164,7 +164,8 @@ fn a_system_sees_what_has_moved_come_and_gone_since() {
 /// A body that is asked about no longer for a while moves none of the others, and comes back.
 #[test]
 fn a_system_sees_what_is_disabled_and_comes_back() {
-    let changes: [(fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
+    type Change = fn(&mut EntityWorldMut);
+    let changes: [(Change, Change); 2] = [
         (|body| _ = body.insert(Disabled), |body| _ = body.remove::<Disabled>()),
         (
             |body| _ = body.remove::<LinearVelocity>(),

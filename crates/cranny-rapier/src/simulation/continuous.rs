@@ -3,8 +3,8 @@
 //! The solver looks ahead by what it knows at the beginning of a step. What is faster than that can
 //! be beyond a thin wall at its end. So once rapier has moved the bodies, the way of each one that
 //! is named for it is held against those of the bodies around it, by the time of their first
-//! meeting, and whoever would have met something on its way stays where it was just before. It keeps its
-//! velocity: the next step finds the contact, and solves it.
+//! meeting, and whoever would have met something on its way stays where it was just before. It
+//! keeps its velocity: the next step finds the contact, and solves it.
 //!
 //! Ways are screws from the pose before to the pose after; [`shorten`] settles them among several
 //! bodies.
@@ -48,9 +48,9 @@ impl Simulation {
     /// Says whether a body passes through no other one, and no other one through it, however fast,
     /// from now on; until then it may, where it moves by more than its radius in a step. It costs a
     /// sweep for each body that is near its way, certified between meshes, in steps in which it
-    /// moves by more than half of what the thinner of both is thick. With our detector, and where neither is
-    /// overlapped by the other already; kinematic bodies and links of a robot are not held back. Of
-    /// hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
+    /// moves by more than half of what the thinner of both is thick. With our detector, and where
+    /// neither touches or overlaps the other already; kinematic bodies and links of a robot are not
+    /// held back. Of hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
     pub fn set_continuous(&mut self, body: BodyIndex, continuous: bool) {
         let handle = self.handle(body);
         // rapier's own way is off for our shapes, which are as thick as can be to it.
