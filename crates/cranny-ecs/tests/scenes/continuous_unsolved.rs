@@ -269,10 +269,8 @@ fn touch(bodies: [&BodyDescription; 2]) -> bool {
         BodyShape::from(Collider::from_mesh((*body.collision).clone()).unwrap().shape())
     };
     let shapes = bodies.map(build);
-    let [a, b] = [0, 1].map(|k| PlacedShape {
-        shape: &shapes[k],
-        pose: pose_of(&transform_of(&bodies[k].pose)),
-    });
+    let [a, b] = [0, 1]
+        .map(|k| PlacedShape { shape: &shapes[k], pose: pose_of(&transform_of(&bodies[k].pose)) });
     let verdict = PairQuery::of(Demand::Intersects);
     query_shapes(a, b, &verdict, &mut PairMemory::default()).unwrap().touches()
 }
