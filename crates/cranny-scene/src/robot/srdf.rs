@@ -6,7 +6,7 @@ use cranny_world::description::JointPositions;
 use roxmltree::{Document, Node};
 
 use super::group::{Member, MemberKind, SemanticGroup};
-use crate::byte_order_mark::without_mark;
+use crate::text_file::without_mark;
 use crate::xml::nested_beyond;
 
 /// SRDF nests five elements.

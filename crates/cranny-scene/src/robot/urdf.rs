@@ -16,8 +16,8 @@ use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
 use super::sift::{Sifted, sift};
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
-use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
+use crate::text_file::{read_text, without_mark};
 
 /// Size of the smallest body that an inertia can be of, metres. Smaller: what exporters leave of 0
 /// (1e-19 kg m^2 beside 1 kg) is taken for an inertia, and the solver blows up; larger: screws lose
@@ -39,7 +39,7 @@ const SPECK: f64 = 1e-4;
 /// mended, and a note says so.
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
-    let text = fs::read_to_string(path).map_err(unreadable)?;
+    let text = read_text(path).map_err(unreadable)?;
     let text = without_mark(&text);
     let sifted = sift(path, text)?;
     let urdf = urdf_rs::read_from_string(&sifted.text).map_err(|error| {

@@ -210,6 +210,9 @@ fn errors_name_line_column_and_what_was_expected() {
             "at least 0, found -1",
         ),
         ("axis: (0, 0, 2)", "axis: (0, 0, 0)", "line 9, column", "an axis must have a length"),
+        ("gravity:", "gravty:", "line 1, column 14", "Perhaps `gravity` is meant"),
+        ("kind: Fixed", "kind: \"Fixed\"", "line 5", "without quotes: Fixed"),
+        ("kind: Fixed", "kind: \"fix\"", "line 5", "none of `Fixed`, `Kinematic`, `Dynamic`"),
         ("every: 5", "every: 0", "line 13, column", "at least 1, found 0"),
     ];
     for (from, to, place, says) in cases {
@@ -218,6 +221,22 @@ fn errors_name_line_column_and_what_was_expected() {
         assert!(text.starts_with("scene file test.ron, "), "{text}");
         assert!(text.contains(place) && text.contains(says), "{to}: {text}");
         assert_eq!(error.labels().unwrap().count(), 1);
+    }
+}
+
+/// A file that was not copied to its end.
+#[test]
+fn a_text_that_is_cut_off_names_the_bracket_that_is_open() {
+    let body = "(name: \"a\", shape: Generator(Cup()))";
+    for (text, says) in [
+        (format!("(\n bodies: [{body},\n {body}"), "the `[` of line 2, column 10 is closed"),
+        (format!("(\n bodies: [{body}], "), "the `(` of line 1, column 1 is closed"),
+        (format!("(\n bodies: [{body}], // )"), "the `(` of line 1, column 1 is closed"),
+        ("(robots: [(path: \"a\", positions: {".to_owned(), "the `{` of line 1, column 34"),
+        ("(\n name: \"a".to_owned(), "line 2, column 8: Expected end of string. The text that"),
+    ] {
+        let error = parse(&text).unwrap_err().to_string();
+        assert!(error.contains(says), "{text}: {error}");
     }
 }
 
@@ -327,7 +346,7 @@ fn what_only_shows_in_the_whole_is_placed_too() {
             "line 7, column 22",
             "min must lie below its max",
         ),
-        ("count: 3", "count: 30000000", "line 7, column 22", "its region holds"),
+        ("count: 3", "count: 30000000", "line 7, column 22", "its region has room for"),
         ("[Generator(LPrism())]", "[]", "line 7, column 22", "names no shapes"),
         ("major_radius: 2", "major_radius: -2", "line 2, column 18", "Torus: major_radius is -2"),
         ("kind: Dynamic,", "kind: Fixed,", "line 2, column 18", "is Fixed but has a velocity"),
@@ -379,7 +398,7 @@ fn joints_that_are_wrong_are_refused_with_their_place() {
     for (joint, says) in [
         ("kind: Rope(length: 0)", "`length`: expected a finite number greater than 0, found 0"),
         ("kind: Spring(length: 1, stiffness: 0)", "`stiffness`: expected a finite number greater"),
-        ("kind: Spring(length: 1)", "missing"),
+        ("kind: Spring(length: 1)", "`Spring` lacks the field `stiffness`"),
         ("kind: Ball(), target: 0.5", "joint \"j\": a Ball joint has no position to drive"),
         ("kind: Rope(length: 3), motor: (velocity: 1)", "a Rope joint has no position to drive"),
         ("kind: Fixed(), target: 0", "a Fixed joint has no position to drive"),

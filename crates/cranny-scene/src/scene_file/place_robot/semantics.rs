@@ -1,7 +1,6 @@
 //! What a robot's SRDF file says to a scene: states, and groups in place of links and joints.
 
 use std::collections::BTreeMap;
-use std::fs;
 
 use cranny_world::description::JointPositions;
 
@@ -9,12 +8,14 @@ use super::{Placing, listed};
 use crate::robot::{Robot, Semantics, read_semantics};
 use crate::scene_file::assemble::{Assembly, GroupBodies};
 use crate::scene_file::syntax::RobotFile;
+use crate::text_file::{read_text, remedy};
 
 /// Reads the SRDF file, if one is named.
 pub(super) fn read(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<Semantics, String> {
     let Some(srdf) = &file.srdf else { return Ok(Semantics::default()) };
     let path = assembly.source.resolve(srdf);
-    let text = fs::read_to_string(&path).map_err(|error| error.to_string());
+    let text =
+        read_text(&path).map_err(|error| format!("cannot be read ({error}). {}", remedy(&error)));
     let semantics = text.and_then(|text| read_semantics(&text));
     let semantics =
         semantics.map_err(|problem| format!("SRDF file {}: {problem}", path.display()))?;
