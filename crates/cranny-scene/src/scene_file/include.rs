@@ -56,10 +56,13 @@ impl Sheet {
             };
             if !names.iter().enumerate().any(|include| is_named(include, name)) {
                 let known: Vec<_> = names.iter().map(|name| format!("{name:?}")).collect();
-                let known = if known.is_empty() { "nothing".to_owned() } else { known.join(", ") };
-                return Err(refused(format!(
-                    "the scene includes no {name:?}. It includes {known}"
-                )));
+                let what = match known.is_empty() {
+                    true => "the scene includes no file".to_owned(),
+                    false => {
+                        format!("the scene includes no {name:?}. It includes {}", known.join(", "))
+                    }
+                };
+                return Err(refused(what));
             }
             let field = rest.field();
             if !ADDED.contains(&field) {

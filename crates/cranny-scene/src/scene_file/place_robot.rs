@@ -65,7 +65,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         let what = format!("robot {name:?}: {problem}");
         source.error(place.clone(), SceneProblem::Contradiction(what))
     };
-    let semantics = semantics::read(assembly, file).map_err(refuse)?;
+    let semantics = semantics::read(assembly, file, &robot, &mut warnings).map_err(refuse)?;
     let file = &semantics::with_motors_of_groups(file, &semantics, &robot).map_err(refuse)?;
     let paths = paths_of(file, &robot, &mut warnings).map_err(refuse)?;
     let mut positions =

@@ -17,12 +17,13 @@ pub(crate) struct RobotArgs {
     #[arg(long, value_name = "Q.json")]
     pub(crate) configurations: Option<PathBuf>,
 
-    /// Semantic description: pairs of links that its `disable_collisions` names are not checked
+    /// Semantic description: pairs of links that its `disable_collisions` names are not checked. A
+    /// file of another robot is refused; single links and joints that this one lacks are warned of
     #[arg(long, value_name = "ROBOT.srdf")]
     pub(crate) srdf: Option<PathBuf>,
 
     /// Checks only pairs that a group of the SRDF file moves: those with a link of the group, or
-    /// with one that hangs from its joints
+    /// with one that hangs from its joints. A group without such pairs is refused
     #[arg(long, value_name = "NAME", requires = "srdf")]
     pub(crate) group: Option<String>,
 
