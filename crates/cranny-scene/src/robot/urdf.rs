@@ -383,11 +383,11 @@ impl Reader {
     ) -> Result<(usize, Vec<usize>), RobotError> {
         let tree = |problem: String| RobotError::Tree { path: self.path.clone(), problem };
         let mut parent_joint = vec![None; links.len()];
-        for joint in joints {
-            if let Some(other) = parent_joint[joint.child].replace(joint.name.as_str()) {
+        for (index, joint) in joints.iter().enumerate() {
+            if let Some(other) = parent_joint[joint.child].replace(index) {
                 let problem = format!(
-                    "it is the child of joint {other:?} and of joint {:?}. Links must form a tree: remove one of them.",
-                    joint.name
+                    "it is the child of joint {:?} and of joint {:?}. Links must form a tree: remove one of them.",
+                    joints[other].name, joint.name
                 );
                 return Err(self.error("link", &links[joint.child].name, problem));
             }
@@ -403,7 +403,7 @@ impl Reader {
                 };
                 return Err(tree(format!("it has no links. {advice}")));
             }
-            [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
+            [] => return Err(self.cycle(0, &parent_joint, joints)),
             _ => {
                 let names: Vec<_> = roots.iter().map(|&i| links[i].name.as_str()).collect();
                 return Err(tree(format!(
@@ -425,13 +425,36 @@ impl Reader {
             }
         }
         match (0..links.len()).find(|link| !reached.contains(link)) {
-            Some(lost) => {
-                let problem =
-                    "it is not reached from the root: its joints form a cycle.".to_owned();
-                Err(self.error("link", &links[lost].name, problem))
-            }
+            Some(lost) => Err(self.cycle(lost, &parent_joint, joints)),
             None => Ok((root, order)),
         }
+    }
+
+    /// The joints that lead in a circle, on the way up from a link that no root is above.
+    fn cycle(
+        &self,
+        link: usize,
+        parent_joint: &[Option<usize>],
+        joints: &[RobotJoint],
+    ) -> RobotError {
+        let mut above: Vec<usize> = Vec::new();
+        let mut at = link;
+        let circle = loop {
+            let Some(joint) = parent_joint[at] else { break &above[..] };
+            if let Some(first) = above.iter().position(|&passed| passed == joint) {
+                break &above[first..];
+            }
+            above.push(joint);
+            at = joints[joint].parent;
+        };
+        let names: Vec<_> =
+            circle.iter().rev().map(|&joint| format!("{:?}", joints[joint].name)).collect();
+        let first = circle.last().map_or("", |&joint| joints[joint].name.as_str());
+        let problem = format!(
+            "the joints {} lead in a circle, but links and joints must form a tree. Take one of them out.",
+            names.join(", ")
+        );
+        self.error("joint", first, problem)
     }
 }
 

@@ -34,6 +34,7 @@ mod locate;
 mod mass;
 mod motor_path;
 mod obstacles;
+mod pair;
 mod pile;
 mod place_joint;
 mod place_robot;

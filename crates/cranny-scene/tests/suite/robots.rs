@@ -214,7 +214,7 @@ fn broken_robots_say_what_is_wrong() {
                 joint("j", "fixed", "a", "b", ""),
                 joint("k", "fixed", "b", "a", "")
             )),
-            "form a cycle",
+            "joint \"j\": the joints \"j\", \"k\" lead in a circle",
         ),
         (
             urdf(&format!(
@@ -631,6 +631,23 @@ fn a_state_leaves_out_joints_with_several_values_and_says_so() {
     assert!(loaded.warnings.iter().any(|what| what.contains(says)), "{:?}", loaded.warnings);
     let silent = files.loaded(&arm(), "srdf: \"r.srdf\"").unwrap().warnings;
     assert!(!silent.iter().any(|what| what.contains("several values")), "{silent:?}");
+}
+
+#[test]
+fn robots_of_one_file_need_names() {
+    let files = Files::new();
+    // Beside the first one, which is "r": two more, the last of them without a name.
+    let thrice = |named: &str| {
+        let more = format!("), (path: \"pkg/urdf/r.urdf\", {named}), (path: \"pkg/urdf/r.urdf\"");
+        files.scene(&arm(), &more).map_err(|error| error.to_string())
+    };
+    for (named, name) in [("", "arm"), ("name: \"r\"", "r")] {
+        let error = thrice(named).err().unwrap();
+        for says in ["line 1", &format!("two robots are called {name:?}"), "name: \"second\""] {
+            assert!(error.contains(says), "{says}: {error}");
+        }
+    }
+    assert_eq!(thrice("name: \"left\"").err(), None);
 }
 
 #[test]

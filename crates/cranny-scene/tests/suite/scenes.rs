@@ -618,6 +618,49 @@ fn a_pair_may_name_all_bodies_of_a_group() {
     assert!(unknown.contains("no body \"bricks\"") && unknown.contains("\"brick\""), "{unknown}");
 }
 
+/// Whichever comes first, and whichever of the two bodies is named first.
+#[test]
+fn a_pair_that_is_named_twice_with_contrary_wishes_is_refused_with_both() {
+    let scene = |first: &str, second: &str| {
+        let body = |name: &str, at: f64| {
+            format!("(name: \"{name}\", shape: Generator(Cuboid()), pose: (at: ({at}, 0, 0)))")
+        };
+        let bodies = [body("a", 0.0), body("b", 3.0)].join(", ");
+        let grid = "Grid(name: \"g\", count: (2, 1, 1), spacing: (3, 1, 1), pose: (at: (0, 9, 0)), shapes: [Generator(Cuboid())])";
+        let text = format!(
+            "(bodies: [{bodies}], groups: [{grid}], effects: [Trigger()],\npairs: [({first}),\n({second})])"
+        );
+        parse(&text).map(|loaded| loaded.description)
+    };
+    let apart = "a: \"a\", b: \"b\", collide: false";
+    for wish in ["effects: [Contacts(margin: 0.1)]", "accuracy: Exact", "effects: []"] {
+        let meet = format!("a: \"b\", b: \"a\", {wish}");
+        for (first, second) in [(apart, &meet[..]), (&meet, apart)] {
+            let error = scene(first, second).unwrap_err().to_string();
+            let says = "the pair \"b\" and \"a\" may meet, but the pair \"a\" and \"b\" with";
+            assert!(error.contains(says) && error.contains("line "), "{wish}: {error}");
+        }
+    }
+    let of_group = "a: \"g\", b: \"a\", collide: false";
+    let error = scene("a: \"g_1\", b: \"a\"", of_group).unwrap_err().to_string();
+    assert!(error.contains("the pair \"g\" and \"a\" with"), "{error}");
+    let [hulls, caps] =
+        ["Hulls", "Caps"].map(|level| format!("a: \"a\", b: \"b\", accuracy: {level}"));
+    let error = scene(&hulls, &caps).unwrap_err().to_string();
+    assert!(error.contains("accuracy Caps") && error.contains("has Hulls"), "{error}");
+    // The same twice, what adds up, and a group of which one is kept apart, are no contradictions.
+    assert!(scene(apart, apart).is_ok() && scene(&hulls, &hulls).is_ok());
+    let [contacts, distance] = ["Contacts(margin: 0.1)", "Proximity(within: 1)"]
+        .map(|effect| format!("a: \"a\", b: \"b\", effects: [{effect}]"));
+    assert_eq!(scene(&contacts, &distance).unwrap().pairs.len(), 2);
+    let but_one = "a: \"g_1\", b: \"a\", collide: false";
+    let all = "a: \"g\", b: \"a\", effects: [Contacts(margin: 0.1)]";
+    for (first, second) in [(all, but_one), (but_one, all)] {
+        let scene = scene(first, second).unwrap();
+        assert_eq!((scene.pairs.len(), &scene.pairs[0].a[..]), (1, "g_0"));
+    }
+}
+
 #[test]
 fn a_pair_may_be_kept_apart_and_a_body_only_noticed() {
     let scene = |pair: &str| {
