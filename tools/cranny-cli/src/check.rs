@@ -70,9 +70,9 @@ fn without_motion(scene: &SceneDescription) -> Option<String> {
     let responds = scene.all_effects().any(|effect| matches!(effect, Effect::Response));
     (dynamic > 0 && !responds).then(|| {
         format!(
-            "no effect asks for Response(): nothing moves {} that are Dynamic. The effects of \
-             included scenes do not count",
-            counted(dynamic, "body")
+            "no effect asks for Response(): nothing moves {}. The effects of included scenes do \
+             not count",
+            counted(dynamic, "Dynamic body")
         )
     })
 }

@@ -52,7 +52,11 @@ pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
 pub(crate) fn sentences(overlaps: &[StartOverlap]) -> Vec<String> {
     let more = overlaps.len().saturating_sub(LISTED);
     let listed = overlaps.iter().take(LISTED).map(StartOverlap::sentence);
-    let rest = (more > 0).then(|| format!("{more} more pairs overlap at the start"));
+    let rest = match more {
+        0 => None,
+        1 => Some("1 more pair overlaps at the start".to_owned()),
+        _ => Some(format!("{more} more pairs overlap at the start")),
+    };
     listed.chain(rest).collect()
 }
 

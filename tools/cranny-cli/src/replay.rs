@@ -29,6 +29,11 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
     if let Some(path) = &args.render {
         check_output("--render", path, &["png", "apng"])?;
     }
+    if let (Some(name), None) = (&args.pictures.camera, &args.render) {
+        return Err(Failure::input(format!(
+            "--camera {name}: nothing is drawn. Add --render, or leave it out."
+        )));
+    }
     let replay = Replay::open(&args.recording).map_err(failure)?;
     let frames = chosen(&replay, args)?;
     let report = replay.compare(frames.iter().copied());

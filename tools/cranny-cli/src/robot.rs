@@ -22,7 +22,7 @@ use crate::output::Output;
 use crate::paths::{check_input, check_output, read_text};
 use crate::picture::{Trouble, draw};
 use crate::progress;
-use configuration_file::read_configurations;
+use configuration_file::{named, read_configurations};
 use description::Description;
 
 /// What is found at a configuration.
@@ -128,8 +128,8 @@ fn check(
 ) -> Result<(), Failure> {
     let wanted = if args.distance { Wanted::Nearest } else { Wanted::Meeting };
     let wrong = |index: usize, what: &dyn Display| {
-        let file = args.configurations.as_deref().unwrap_or(Path::new("")).display();
-        Failure::input(format!("configuration file {file}: configuration {index}: {what}"))
+        let file = named(args.configurations.as_deref().unwrap_or(Path::new("")));
+        Failure::input(format!("{file}: configuration {index}: {what}"))
     };
     // All of them first: nothing is printed of a file that is wrong farther down.
     let poses = configurations.iter().enumerate().map(|(index, positions)| {

@@ -9,6 +9,7 @@ use cranny_scene::{
 use crate::failure::Failure;
 use crate::paths::check_input;
 use crate::progress;
+use crate::words::counted;
 
 /// Loads a scene and all that it names. Warnings and notes are logged.
 ///
@@ -41,7 +42,8 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Fa
     let scene = load_scene_with(path, options).map_err(wrong_scene)?;
     waiting.finish_and_clear();
     let (bodies, files) = (scene.description.bodies.len(), scene.files.len());
-    tracing::info!("{}: {bodies} bodies, {files} files named", path.display());
+    let [bodies, files] = [counted(bodies, "body"), counted(files, "file")];
+    tracing::info!("{}: {bodies}, and {files} that it names", path.display());
     for note in &scene.notes {
         tracing::info!(scene = %path.display(), "{note}");
     }

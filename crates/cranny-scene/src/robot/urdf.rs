@@ -24,6 +24,10 @@ use crate::text_file::{read_text, without_mark};
 /// theirs.
 const SPECK: f64 = 1e-4;
 
+/// Diagonal of a link's mesh above which it may be in millimetres, metres. Smaller: cranes are
+/// taken for it; larger: fingers are not.
+const LARGEST_LINK: f64 = 20.0;
+
 /// Reads a robot from a URDF file.
 ///
 /// `package://` addresses are looked for going up from the file; COLLADA meshes keep their axes as
@@ -263,6 +267,7 @@ impl Reader {
             }
         };
         if scale == DVec3::ONE {
+            self.note_of_size(link, uri, &filed);
             return Ok(filed);
         }
         if scale.x * scale.y * scale.z == 0.0 || !scale.is_finite() {
@@ -274,6 +279,18 @@ impl Reader {
         scaled
             .map(Arc::new)
             .map_err(|error| self.error("link", link, format!("mesh {uri:?}, scaled: {error}")))
+    }
+
+    /// That a mesh may be in millimetres.
+    fn note_of_size(&mut self, link: &str, uri: &str, mesh: &Mesh) {
+        let size = mesh.bounds().diagonal();
+        let what = format!(
+            "has the mesh {uri:?}, whose box is {size:.0} m across. Where it is in millimetres, give it scale=\"0.001 0.001 0.001\""
+        );
+        let is_known = self.notes.iter().any(|note| note.contains(&what));
+        if size > LARGEST_LINK && !is_known {
+            self.note("link", link, &what);
+        }
     }
 
     fn joint(

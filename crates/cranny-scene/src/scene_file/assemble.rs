@@ -96,8 +96,9 @@ fn described(sheet: &Sheet, options: &LoadOptions) -> SceneDescription {
 /// Which values of an included file do not count.
 fn note_of_included(sheet: &Sheet) -> Option<String> {
     let fields: Vec<_> = sheet.unheeded().iter().map(|field| format!("`{field}`")).collect();
+    let verb = if fields.len() == 1 { "does" } else { "do" };
     (!fields.is_empty()).then(|| {
-        format!("{}: included, so its {} do not count", sheet.path.display(), fields.join(", "))
+        format!("{}: included, so its {} {verb} not count", sheet.path.display(), fields.join(", "))
     })
 }
 

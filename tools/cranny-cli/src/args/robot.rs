@@ -13,7 +13,7 @@ pub(crate) struct RobotArgs {
     pub(crate) urdf: PathBuf,
 
     /// List of configurations, `[{"joint": position, ...}, ...]`: a line for each is printed
-    /// instead of the description (see below)
+    /// instead of the description (see below). `-` reads them from standard input
     #[arg(long, value_name = "Q.json")]
     pub(crate) configurations: Option<PathBuf>,
 
@@ -69,7 +69,7 @@ Links without collision geometry take no part; where no link has any, visual mes
 
 Examples:
   cranny robot panda.urdf
-  echo '[{}, {"panda_joint2": 1.2}]' > q.json
+  echo '[{}, {"panda_joint2": 1.2}]' | cranny robot panda.urdf --configurations -
   cranny robot panda.urdf --configurations q.json --srdf panda.srdf --distance
   cranny robot panda.urdf --configurations q.json --srdf panda.srdf --group hand
   cranny robot panda.urdf --configurations q.json --render panda.png --at 1"#;

@@ -125,4 +125,6 @@ fn wrong_input_is_refused() {
         outcome.assert_refused(2, &["aside", "isometric"]);
     }
     assert_eq!(run(&["replay", &path, "--size", "0x5"]).code, Some(2));
+    let undrawn = run(&["replay", &path, "--camera", "front"]);
+    undrawn.assert_refused(2, &["--camera front", "Add --render"]);
 }

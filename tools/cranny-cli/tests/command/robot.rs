@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::harness::{Folder, run};
+use crate::harness::{Folder, cranny, run, run_command};
 
 /// A sledge on a rail (0.2 to 3 from the left post), which a second one follows at half the way on
 /// a rail of its own; a post at the end.
@@ -208,6 +208,20 @@ fn a_picture_that_cannot_be_is_refused() {
 }
 
 #[test]
+fn configurations_come_by_standard_input_as_well() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let piped = |text: &str| {
+        let input = std::fs::File::open(folder.write("q.json", text)).unwrap();
+        let args = ["robot", &urdf, "--configurations", "-"];
+        run_command(cranny().args(args).stdin(input))
+    };
+    assert_eq!(lines(&piped("[{}, {\"slide\": 2}]").stdout).len(), 2);
+    piped("[").assert_refused(2, &["standard input: ", "line 1"]);
+    piped("[{\"elbow\": 1}]").assert_refused(2, &["standard input: configuration 0", "\"elbow\""]);
+}
+
+#[test]
 fn what_is_no_robot_and_no_configuration_is_refused() {
     let folder = Folder::new();
     let urdf = robot(&folder);
@@ -217,6 +231,7 @@ fn what_is_no_robot_and_no_configuration_is_refused() {
     };
     refused("{}", &["q.json", "line 1", "list of"]);
     refused("[]", &["at least one"]);
+    refused("[{\"slide\": 1,\n\"slide\": 2}]", &["line 2", "\"slide\" is named twice"]);
     refused(r#"[{}, {"elbow": 1}]"#, &["configuration 1", "\"elbow\"", "movable joints are slide"]);
     refused(r#"[{"follow": 1}]"#, &["configuration 0", "follows joint \"slide\""]);
     refused(r#"[{"base": 1}]"#, &["is fixed"]);
