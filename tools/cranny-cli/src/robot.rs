@@ -77,6 +77,9 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
         }
         return pictured.map(|_| ());
     };
+    for note in &robot.notes {
+        tracing::info!("{note}");
+    }
     for warning in warnings {
         tracing::warn!("{warning}");
     }

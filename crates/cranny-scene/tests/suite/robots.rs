@@ -444,6 +444,9 @@ fn an_open_mesh_without_a_mass_weighs_like_its_box_and_is_named() {
 #[test]
 fn what_is_harmless_is_mended_and_said() {
     let files = Files::new();
+    let big =
+        MESH.replace(" 1 0 0", " 30 0 0").replace("0 1 0", "0 30 0").replace("0 0 1", "0 0 30");
+    std::fs::write(files.folder.path().join("pkg/big.obj"), big).unwrap();
     let links = format!("<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link>");
     let follows = joint("j", "continuous", "a", "b", "<mimic joint=\"q\"/>");
     for (text, says) in [
@@ -466,6 +469,12 @@ fn what_is_harmless_is_mended_and_said() {
         (
             urdf(&format!("<link name=\"a\">{}</link>", inertial(2.0, "", [1e-19, 0.1, 0.1]))),
             "which no body of 2 kg has",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><mesh filename=\"../big.obj\"/></geometry></collision></link>",
+            ),
+            "link \"a\" has the mesh \"../big.obj\", whose box is 52 m across. Where it is in millim",
         ),
     ] {
         let robot = files.read(&text).unwrap();

@@ -560,6 +560,41 @@ fn one_factor_stands_for_three_and_a_mesh_is_recentred() {
     }
 }
 
+/// A scene may be in any unit: no warning.
+#[test]
+fn a_mesh_that_may_be_in_millimetres_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).unwrap();
+    let notes = |fields: &str| {
+        let shape = format!("Mesh(path: \"m.obj\"{fields})");
+        let text = format!("(bodies: [(name: \"a\", shape: {shape})])");
+        let loaded = parse_scene(text, &folder.path().join("s.ron"), &LoadOptions::default());
+        let loaded = loaded.unwrap();
+        assert_eq!(loaded.warnings, Vec::<String>::new());
+        loaded.notes
+    };
+    let noted = notes("");
+    assert!(noted[0].contains("m.obj: its box is 69 across") && noted[0].contains("Millimetres"));
+    for stated in [", units: Metres", ", units: Millimetres", ", scale: 0.1"] {
+        assert_eq!(notes(stated), Vec::<String>::new(), "{stated}");
+    }
+}
+
+#[test]
+fn a_mesh_without_an_area_is_refused_with_what_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    for repair in ["None", "Safe", "Full"] {
+        let text =
+            format!("(bodies: [(name: \"a\", shape: Mesh(path: \"m.obj\", repair: {repair}))])");
+        let loaded = parse_scene(text, &folder.path().join("s.ron"), &LoadOptions::default());
+        let error = loaded.unwrap_err().to_string();
+        assert!(error.contains("line 1") && error.contains("Export it again"), "{error}");
+        assert!(!error.contains("`repair"), "no repair helps: {error}");
+    }
+}
+
 #[test]
 fn a_mesh_in_another_unit_is_converted_to_metres() {
     let folder = tempfile::tempdir().unwrap();
