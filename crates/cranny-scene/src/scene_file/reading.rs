@@ -45,6 +45,11 @@ pub(super) fn refused(
     located(path, text, Some(range(text, error)), problem)
 }
 
+/// Where an error begins.
+pub(super) fn start(text: &str, error: &SpannedError) -> usize {
+    range(text, error).start
+}
+
 fn range(text: &str, error: &SpannedError) -> Range<usize> {
     let [start, end] = [error.span.start, error.span.end].map(|at| byte_at(text, at.line, at.col));
     start..end.max(start)

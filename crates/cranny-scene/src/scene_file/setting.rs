@@ -15,7 +15,7 @@ use thiserror::Error;
 use super::advice::{advised, perhaps};
 use super::locate::{Token, tokens};
 use super::problem::{SceneError, SceneProblem, located};
-use super::reading::{explained, options, read, refused};
+use super::reading::{explained, options, read, refused, start};
 use super::syntax::{SceneFile, default_of_vector};
 
 /// A value of a scene, in place of the one in its text or of a default: `bodies.nut.mass=Total(2)`.
@@ -147,41 +147,48 @@ impl Setting {
                 Some(found) => part = found,
                 None => {
                     let addition = self.addition(part, depth);
-                    added = Some(addition.map_err(|what| {
+                    let (at, addition) = addition.map_err(|what| {
                         located(path, text, Some(part.range()), self.problem(what + hint))
-                    })?);
+                    })?;
+                    added = Some(Added { depth, at, addition });
                     break;
                 }
             }
         }
         let changed = match &added {
-            Some((at, addition)) => replaced(text, *at..*at, addition),
+            Some(Added { at, addition, .. }) => replaced(text, *at..*at, addition),
             None => replaced(text, part.range(), &self.value),
         };
         match read(&changed) {
             Ok(scene) => Ok((changed, scene)),
             Err(error) => {
-                let what = self.explained(&changed, &error, added.is_some());
+                let what =
+                    added.and_then(|added| self.explained_addition(&changed, &error, &added));
+                let what = what.unwrap_or_else(|| explained(&changed, &error));
                 Err(refused(&changed, path, &error, self.problem(what)))
             }
         }
     }
 
-    /// Why the reader refuses a text that holds the value, in fields of its own or of the text.
-    fn explained(&self, text: &str, error: &SpannedError, added: bool) -> String {
-        match self.steps.as_slice() {
-            [.., field, axis]
-                if added
-                    && coordinate(axis).is_some()
-                    && !matches!(error.code, RonError::NoSuchStructField { .. }) =>
-            {
-                let whole = self.steps[..self.steps.len() - 1].join(".");
-                format!(
-                    "`{field}` is not in the file, and what its other numbers are is not known, so its `{axis}` cannot be set alone. Set all of it: {whole}=(…)"
-                )
-            }
-            _ => explained(text, error),
+    /// Why the reader refuses fields that are not in the file, where it knows their names and has
+    /// not come to the value: what they are in is no whole without others.
+    fn explained_addition(
+        &self,
+        text: &str,
+        error: &SpannedError,
+        Added { depth, at, addition }: &Added,
+    ) -> Option<String> {
+        let inner = &self.steps[depth + 1..];
+        let of_value =
+            addition.rfind(&self.value).is_some_and(|value| at + value <= start(text, error));
+        let is_unknown = matches!(error.code, RonError::NoSuchStructField { .. });
+        if inner.is_empty() || of_value || is_unknown {
+            return None;
         }
+        let (whole, inner) = (self.steps[..=*depth].join("."), inner.join("."));
+        Some(format!(
+            "`{whole}` is not in the file, and its `{inner}` cannot be set alone. Set all of it: {whole}=…"
+        ))
     }
 
     /// What is inserted, and where, for a step that the part does not have.
@@ -195,7 +202,7 @@ impl Setting {
         if !takes_fields {
             let known = parts.names();
             let perhaps = perhaps(step, known.iter().map(String::as_str));
-            return Err(format!("{whole} has no `{step}`{perhaps}. It has {}", listed(&known)));
+            return Err(format!("{whole} has no `{step}`{perhaps}. {}", listed(&known)));
         }
         let key = if parts.opening == "{" { format!("{step:?}") } else { step.clone() };
         Ok((parts.begin, format!("{key}: {}, ", self.value_of(step, &self.steps[depth + 1..])?)))
@@ -280,10 +287,18 @@ fn listed(names: &[String]) -> String {
     /// Enough to see a typing error.
     const NAMED: usize = 8;
     match names.len() {
-        0 => "no parts".to_owned(),
-        n if n > NAMED => format!("{} and {} more", names[..NAMED].join(", "), n - NAMED),
-        _ => names.join(", "),
+        0 => "It is empty".to_owned(),
+        n if n > NAMED => format!("It has {} and {} more", names[..NAMED].join(", "), n - NAMED),
+        _ => format!("It has {}", names.join(", ")),
     }
+}
+
+/// What is put into a text for a step that is not there.
+struct Added {
+    /// The number of the step.
+    depth: usize,
+    at: usize,
+    addition: String,
 }
 
 /// A value in the text, as its tokens.

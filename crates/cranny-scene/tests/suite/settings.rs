@@ -111,7 +111,11 @@ fn a_path_that_leads_nowhere_is_refused_with_what_is_there() {
         ("bodies.1.pose.z=1", ["`z` in `Pose`, expected one of `at`", "line 7"]),
         (
             "cameras.main.look_at.eye.x=1",
-            ["`eye` is not in the file", "Set all of it: cameras.main.look_at.eye=(…)"],
+            ["`cameras.main.look_at` is not in the file", "Set all of it: cameras.main.look_at=…"],
+        ),
+        (
+            "pairs.0.a=\"nut\"",
+            ["`pairs` is not in the file", "`0.a` cannot be set alone. Set all of it: pairs=…"],
         ),
         (
             "bodies.1.kind=\"Fixed\"",
