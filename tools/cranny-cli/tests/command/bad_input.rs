@@ -199,6 +199,10 @@ fn scenes_that_are_none() {
     refused("(\n  gravty: (0, 0, -9.81),\n)", &["line 2", "gravty", "gravity"]);
     refused(&format!("({body},\n effects: [Flying()])"), &["line 2", "Flying", "Response"]);
     refused(r#"(bodies: [(name: "m", shape: Mesh(path: "gone.obj"))])"#, &["gone.obj", "line 1"]);
+    let latin = folder.write("latin.ron", b"(\n// \xfcber\n)");
+    run(&["check", &latin])
+        .assert_refused(2, &["latin.ron", "byte 0xfc of line 2", "Save it as UTF-8"]);
+    refused("(\n bodies: [", &["line 2", "the `[` of line 2, column 10", "Close it with `]`"]);
     let missing = folder.path("missing.ron").display().to_string();
     run(&["check", &missing]).assert_refused(2, &["missing.ron", "no such file"]);
 }
