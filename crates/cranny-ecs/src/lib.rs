@@ -131,8 +131,8 @@ pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
 pub use outputs::check_outputs;
 #[cfg(feature = "render")]
 pub use painting::{
-    DEFAULT_CAMERA, MARKS_MAX, MeetingPair, Moment, NamedCamera, PictureQuality, ScenePainter,
-    ScenePainterView,
+    CAMERA_PRESETS, DEFAULT_CAMERA, MARKS_MAX, MeetingPair, Moment, NamedCamera, PictureQuality,
+    ScenePainter, ScenePainterView,
 };
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;

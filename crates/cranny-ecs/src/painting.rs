@@ -22,7 +22,7 @@ use cranny_render::{
 use cranny_world::BodyId;
 use cranny_world::description::{Effect, SceneDescription};
 
-pub use self::cameras::{DEFAULT_CAMERA, NamedCamera};
+pub use self::cameras::{CAMERA_PRESETS, DEFAULT_CAMERA, NamedCamera};
 use self::coats::Coats;
 use self::focus::Focus;
 pub use self::marks::MARKS_MAX;

@@ -116,6 +116,12 @@ impl Moments {
     }
 }
 
+/// Why a file is not written, which the error around it names.
+fn unsaved(error: &dyn std::error::Error) -> String {
+    let why = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+    format!("{why}; make room on the disk, or name another folder")
+}
+
 /// Draws, and keeps what a preview needs.
 #[derive(Resource)]
 pub struct Painter {
@@ -161,7 +167,7 @@ impl Painter {
             let page = page.on_canvas(size, palette::PAPER);
             animation.push(page).map_err(|error| failed(error.to_string()))?;
         }
-        animation.save(path).map_err(|error| failed(error.to_string()))
+        animation.save(path).map_err(|error| failed(unsaved(&error)))
     }
 
     fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
@@ -191,7 +197,7 @@ impl Painter {
                 let path = frame_path(folder, name, self.drawn);
                 image
                     .save_png(&path)
-                    .map_err(|error| SceneAppError::Output { path, why: error.to_string() })?;
+                    .map_err(|error| SceneAppError::Output { path, why: unsaved(&error) })?;
             }
             if recorded {
                 let small = image.scaled_down(RECORDED_SIZE[0]);

@@ -39,7 +39,7 @@ pub enum RecordError {
     },
     /// Writing failed: a full disk, as a rule.
     #[error(
-        "recording {what} to '{}' failed: {}; what was written before is left there",
+        "recording {what} to '{}' failed: {}; what was written before is left there. Make room on the disk, or record to another one",
         partial.display(),
         reason(source)
     )]

@@ -26,13 +26,12 @@
 //! # Ok::<(), cranny_scene::SceneError>(())
 //! ```
 
-mod byte_order_mark;
 pub mod mesh_file;
 pub mod robot;
 pub mod scene_file;
+mod text_file;
 mod xml;
 
-pub use byte_order_mark::without_mark;
 pub use mesh_file::{
     DecodeError, MODEL_EXTENSION, MeshFile, MeshFileError, MeshFormat, decode_mesh, encode_obj,
     is_saved_model, read_mesh,
@@ -41,6 +40,7 @@ pub use robot::{Robot, RobotError, read_robot};
 pub use scene_file::{
     LoadOptions, LoadedScene, SceneError, Setting, load_scene, load_scene_with, parse_scene,
 };
+pub use text_file::{read_text, remedy, without_mark};
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

@@ -32,8 +32,8 @@ pub(crate) use verify::VerifyArgs;
 
 /// Exact collision detection for bodies that are not convex.
 ///
-/// Results go to standard output; errors, logs and progress to standard error, the latter two only
-/// where that is a terminal or a flag says so.
+/// Results go to standard output; errors, warnings, logs and progress to standard error, logs only
+/// where a flag says so, and progress only where that is a terminal.
 #[derive(Debug, Parser)]
 #[command(name = "cranny", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub(crate) struct Cli {

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps;
 use crate::run::failure;
-use crate::scene_file::load;
+use crate::scene_file::read;
 use crate::words::counted;
 
 /// What a right scene holds.
@@ -34,7 +34,7 @@ struct CheckSummary<'a> {
 ///
 /// A scene that cannot be read or is wrong; standard output that cannot be written.
 pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Failure> {
-    let mut scene = load(&args.scene, &args.set.load_options(None))?;
+    let mut scene = read(&args.scene, &args.set.load_options(None))?;
     overlaps::prepare(&mut scene.description);
     let what = &scene.description;
     check_effects(what).map_err(failure)?;
@@ -70,9 +70,9 @@ fn without_motion(scene: &SceneDescription) -> Option<String> {
     let responds = scene.all_effects().any(|effect| matches!(effect, Effect::Response));
     (dynamic > 0 && !responds).then(|| {
         format!(
-            "no effect asks for Response(): nothing moves {} that are Dynamic. The effects of \
-             included scenes do not count",
-            counted(dynamic, "body")
+            "no effect asks for Response(): nothing moves {}. The effects of included scenes do \
+             not count",
+            counted(dynamic, "Dynamic body")
         )
     })
 }

@@ -55,7 +55,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     let contests: Vec<(Detector, bool)> = contests.collect();
     let own_substeps = matches!(args.substeps, SubstepsArg::Own);
     let rows = simulated(&scene, &contests, &args.instead, own_substeps)?;
-    print_rows(&rows, format.unwrap_or(Format::Text))?;
+    print_rows(&title(&scene, &args.instead), &rows, format.unwrap_or(Format::Text))?;
     if let Some(folder) = &args.out {
         write(&folder.join(FILES[0]), &figures::csv(&rows))?;
         write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
@@ -166,11 +166,27 @@ fn ways(wanted: RecyclingArg) -> &'static [bool] {
     }
 }
 
-fn print_rows(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
+/// What all rows have in common.
+fn title(scene: &LoadedScene, instead: &InsteadArgs) -> String {
+    let LoadedScene { description, path, .. } = scene;
+    let step = instead.dt.unwrap_or(description.step);
+    let duration = instead.duration.unwrap_or(description.duration);
+    format!(
+        "{} ({}, seed {}): {duration} s in steps of {step:.6} s",
+        description.name,
+        path.display(),
+        description.seed
+    )
+}
+
+fn print_rows(title: &str, rows: &[RunFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     match format {
         Format::Json => rows.iter().try_for_each(|row| output.json(row)),
-        Format::Text => output.line(&figures::text(rows)),
+        Format::Text => output.line(&format!(
+            "{title}\n\n{}\n\n`cranny compare --help` explains the columns",
+            figures::text(rows)
+        )),
     }
 }
 

@@ -1,18 +1,16 @@
-//! Logs on standard error: warnings on a terminal, nothing elsewhere, more where the environment
-//! says so.
+//! Logs on standard error: warnings, and more where an option or the environment says so.
 
 use std::io::{self, IsTerminal};
 
 use tracing_subscriber::EnvFilter;
 
-/// Starts logging. `RUST_LOG` decides where it is set; else `verbose` (0: warnings, on a terminal
-/// only; 1: notes; 2: details; more: everything). `quiet` keeps warnings back. Colours are for
-/// terminals, unless `NO_COLOR` is set.
+/// Starts logging. `RUST_LOG` decides where it is set; else `verbose` (0: warnings; 1: notes; 2:
+/// details; more: everything). `quiet` keeps warnings back. Colours are for terminals, unless
+/// `NO_COLOR` is set.
 pub(crate) fn start(verbose: u8, quiet: bool) {
     let level = match verbose {
         _ if quiet => "off",
-        0 if io::stderr().is_terminal() => "warn",
-        0 => "off",
+        0 => "warn",
         1 => "warn,cranny=info",
         2 => "info,cranny=debug",
         _ => "trace",

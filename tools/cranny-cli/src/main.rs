@@ -32,6 +32,7 @@ mod report;
 mod robot;
 mod run;
 mod scene_file;
+mod signals;
 mod stability;
 mod verify;
 mod words;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
     quiet_driver::restart_without_noise(&cli.command);
     logging::start(cli.verbose, cli.quiet);
     progress::start(cli.quiet);
+    signals::report_size_limits();
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
         Command::Replay(args) => replay::replay(args, cli.format),

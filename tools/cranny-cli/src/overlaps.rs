@@ -3,11 +3,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use cranny_broad_phase::BoxIndex;
 use cranny_exact::Aabb;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
-use cranny_world::description::{BodyDescription, BodyKind, Effect, SceneDescription};
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, PairDescription, SceneDescription,
+};
 use serde::Serialize;
 
 /// Depth up to which an overlap is not reported, as a share of the smaller body's diagonal.
@@ -29,8 +32,8 @@ pub(crate) struct StartOverlap {
 
 /// All pairs that overlap, the deepest first. Bodies are [prepared](prepare).
 pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
-    let boxes = boxes(scene);
-    let mut found: Vec<(f64, StartOverlap)> = pairs(scene, &boxes)
+    let mut found: Vec<(f64, StartOverlap)> = pairs(scene)
+        .into_iter()
         .filter_map(|(a, b)| {
             let [a, b] = [a, b].map(|body| &scene.bodies[body]);
             let depth = depth([a, b])?;
@@ -49,7 +52,11 @@ pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
 pub(crate) fn sentences(overlaps: &[StartOverlap]) -> Vec<String> {
     let more = overlaps.len().saturating_sub(LISTED);
     let listed = overlaps.iter().take(LISTED).map(StartOverlap::sentence);
-    let rest = (more > 0).then(|| format!("{more} more pairs overlap at the start"));
+    let rest = match more {
+        0 => None,
+        1 => Some("1 more pair overlaps at the start".to_owned()),
+        _ => Some(format!("{more} more pairs overlap at the start")),
+    };
     listed.chain(rest).collect()
 }
 
@@ -66,30 +73,51 @@ impl StartOverlap {
     }
 }
 
-/// Pairs that a solver keeps apart and whose boxes overlap.
-fn pairs<'a>(
-    scene: &'a SceneDescription,
-    boxes: &'a [Aabb],
-) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let excluded: BTreeSet<_> = scene.excluded_pairs.iter().copied().collect();
-    let all = (0..scene.bodies.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-    all.filter(move |&(a, b)| {
-        boxes[a].overlaps(&boxes[b])
-            && !excluded.contains(&(a, b))
-            && responds(scene, [a, b].map(|body| &scene.bodies[body]))
-    })
+/// Pairs that a solver keeps apart and whose boxes overlap, sorted by the later body.
+fn pairs(scene: &SceneDescription) -> Vec<(usize, usize)> {
+    let boxes = boxes(scene);
+    let index = BoxIndex::of(boxes.iter().copied());
+    let apart = Apart::of(scene);
+    let mut pairs = Vec::new();
+    for (b, bounds) in boxes.iter().enumerate() {
+        let near = index.reached(|held| held.overlaps(bounds));
+        let mut near: Vec<usize> =
+            near.filter(|&a| a < b && boxes[a].overlaps(bounds) && apart.keeps(a, b)).collect();
+        near.sort_unstable();
+        pairs.extend(near.into_iter().map(|a| (a, b)));
+    }
+    pairs
 }
 
-/// Whether a solver keeps two bodies apart.
-fn responds(scene: &SceneDescription, [a, b]: [&BodyDescription; 2]) -> bool {
-    let of_pair = scene.pairs.iter().filter(|pair| {
-        [&pair.a, &pair.b] == [&a.name, &b.name] || [&pair.a, &pair.b] == [&b.name, &a.name]
-    });
-    let of_pair = of_pair.flat_map(|pair| &pair.effects);
-    let mut named = scene.effects.iter().chain(&a.effects).chain(&b.effects).chain(of_pair);
-    let moves = [a, b].iter().any(|body| body.kind == BodyKind::Dynamic);
-    let meet = a.layers.iter().any(|layer| b.layers.contains(layer));
-    moves && meet && !a.sensor && !b.sensor && named.any(|effect| *effect == Effect::Response)
+/// Which bodies a solver keeps apart.
+struct Apart<'a> {
+    scene: &'a SceneDescription,
+    excluded: BTreeSet<(usize, usize)>,
+    /// Names of pairs that respond by themselves, in both orders.
+    responding: BTreeSet<[&'a str; 2]>,
+}
+
+impl<'a> Apart<'a> {
+    fn of(scene: &'a SceneDescription) -> Self {
+        let responding = scene.pairs.iter().filter(|pair| pair.effects.contains(&Effect::Response));
+        let names = |pair: &'a PairDescription| [pair.a.as_str(), pair.b.as_str()];
+        let both_orders = responding.map(names).flat_map(|[a, b]| [[a, b], [b, a]]);
+        let excluded = scene.excluded_pairs.iter().copied().collect();
+        Self { scene, excluded, responding: both_orders.collect() }
+    }
+
+    /// Of two bodies, the smaller number first.
+    fn keeps(&self, a: usize, b: usize) -> bool {
+        let bodies = [a, b].map(|body| &self.scene.bodies[body]);
+        let [of_a, of_b] = bodies;
+        let mut named = self.scene.effects.iter().chain(&of_a.effects).chain(&of_b.effects);
+        bodies.iter().any(|body| body.kind == BodyKind::Dynamic)
+            && bodies.iter().all(|body| !body.sensor)
+            && of_a.layers.iter().any(|layer| of_b.layers.contains(layer))
+            && !self.excluded.contains(&(a, b))
+            && (named.any(|effect| *effect == Effect::Response)
+                || self.responding.contains(&bodies.map(|body| body.name.as_str())))
+    }
 }
 
 /// The box of each body.

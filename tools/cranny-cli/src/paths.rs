@@ -33,10 +33,11 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
 /// As [`check_input`], and where it cannot be read or is no text.
 pub(crate) fn read_text(what: &str, path: &Path) -> Result<String, Failure> {
     check_input(what, path)?;
-    fs::read_to_string(path).map_err(|source| {
+    cranny_scene::read_text(path).map_err(|source| {
         let message = format!(
-            "{what} {}: cannot be read ({source}). Check the path and its permissions.",
-            path.display()
+            "{what} {}: cannot be read ({source}). {}.",
+            path.display(),
+            cranny_scene::remedy(&source)
         );
         Failure::unreadable(message, source.kind())
     })

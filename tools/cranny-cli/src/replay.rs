@@ -29,6 +29,11 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
     if let Some(path) = &args.render {
         check_output("--render", path, &["png", "apng"])?;
     }
+    if let (Some(name), None) = (&args.pictures.camera, &args.render) {
+        return Err(Failure::input(format!(
+            "--camera {name}: nothing is drawn. Add --render, or leave it out."
+        )));
+    }
     let replay = Replay::open(&args.recording).map_err(failure)?;
     let frames = chosen(&replay, args)?;
     let report = replay.compare(frames.iter().copied());
@@ -41,7 +46,8 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
         Format::Text => output.line(&as_text(&replay, &report, args)),
     }?;
     match report.different.len() {
-        0 => Ok(()),
+        0 if report.same > 0 || args.render.is_some() => Ok(()),
+        0 => Err(Failure::run(NothingCompared::of(&replay, &report))),
         n => Err(Failure::run(Differs(n))),
     }
 }
@@ -49,6 +55,33 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
 #[derive(Debug, thiserror::Error)]
 #[error("{0} pairs differ from what was recorded")]
 struct Differs(usize);
+
+/// Why a replay verifies nothing.
+#[derive(Debug, thiserror::Error)]
+enum NothingCompared {
+    #[error(
+        "nothing was compared, so nothing is verified: the recording does not say what collides, or within what margin"
+    )]
+    Unknown,
+    #[error(
+        "nothing was compared, so nothing is verified: the recording holds no pairs. A scene records those that Contacts(margin: …) asks for, where they come as near"
+    )]
+    NoPairs,
+    #[error(
+        "nothing was compared, so nothing is verified: the frames that were chosen hold no pairs, but others do. Choose those with --at, --from and --to"
+    )]
+    NoPairsChosen,
+}
+
+impl NothingCompared {
+    fn of(replay: &Replay, report: &ReplayReport) -> Self {
+        match replay.frames().iter().all(|frame| frame.pairs.is_empty()) {
+            _ if report.unknown > 0 => Self::Unknown,
+            true => Self::NoPairs,
+            false => Self::NoPairsChosen,
+        }
+    }
+}
 
 fn failure(error: ReplayError) -> Failure {
     Failure::input(error)
@@ -148,12 +181,17 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
             replay.recording().damaged_chunks()
         ));
     }
-    lines.push(format!(
-        "computed   {} frames anew: {} pairs the same to the bit, {} different",
-        report.frames,
-        report.same,
-        report.different.len()
-    ));
+    lines.push(match report.same + report.different.len() as u64 {
+        0 => {
+            format!("computed   nothing anew: no pair of {} frames can be compared", report.frames)
+        }
+        _ => format!(
+            "computed   {} frames anew: {} pairs the same to the bit, {} different",
+            report.frames,
+            report.same,
+            report.different.len()
+        ),
+    });
     if let Some((accuracy, budget)) = levels(replay) {
         let budget = budget.map_or(String::new(), |tests| format!(", {tests} tests a step"));
         lines.push(format!(
@@ -200,6 +238,7 @@ fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_j
         "interrupted": replay.recording().was_interrupted(),
         "held_frames": replay.frames().len(),
         "frames": report.frames,
+        "verified": report.same > 0 && report.different.is_empty(),
         "same": report.same,
         "different": different,
         "unknown": report.unknown,

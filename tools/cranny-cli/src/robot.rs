@@ -22,7 +22,7 @@ use crate::output::Output;
 use crate::paths::{check_input, check_output, read_text};
 use crate::picture::{Trouble, draw};
 use crate::progress;
-use configuration_file::read_configurations;
+use configuration_file::{named, read_configurations};
 use description::Description;
 
 /// What is found at a configuration.
@@ -53,7 +53,7 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     let semantics = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
     let mut robot = read_robot(&args.urdf).map_err(|error| refused(&error))?;
     let drawn = robot.collide_as_drawn();
-    let unknown = unknown_links(&robot, &semantics.disabled_pairs);
+    let warnings = warnings(args, &robot, &semantics, drawn)?;
     let pairs = checked_pairs(args, &robot, &semantics)?;
     let shapes = robot
         .link_shapes()
@@ -67,11 +67,7 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     let mut checked = Arrangement::new(shapes, pairs);
     let Some(configurations) = configurations else {
         let mut description = Description::of(&args.urdf, &robot, &checked);
-        if drawn {
-            let note = "no link has collision geometry: the visual meshes stand for it";
-            description.notes.push(note.to_owned());
-        }
-        description.notes.extend(unknown);
+        description.notes.extend(warnings);
         let pictured = render(args, &robot, &mut checked, &JointPositions::new());
         description.notes.extend(pictured.as_ref().ok().cloned().flatten());
         let mut output = Output::new();
@@ -81,8 +77,14 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
         }
         return pictured.map(|_| ());
     };
-    for note in unknown {
-        tracing::warn!("{note}");
+    for note in &robot.notes {
+        tracing::info!("{note}");
+    }
+    for warning in warnings {
+        tracing::warn!("{warning}");
+    }
+    if checked.pairs().len() == 0 {
+        tracing::warn!("no pair of links is checked: none can meet at any configuration");
     }
     let drawn = configurations.get(args.at).ok_or_else(|| {
         let last = configurations.len() - 1;
@@ -129,8 +131,8 @@ fn check(
 ) -> Result<(), Failure> {
     let wanted = if args.distance { Wanted::Nearest } else { Wanted::Meeting };
     let wrong = |index: usize, what: &dyn Display| {
-        let file = args.configurations.as_deref().unwrap_or(Path::new("")).display();
-        Failure::input(format!("configuration file {file}: configuration {index}: {what}"))
+        let file = named(args.configurations.as_deref().unwrap_or(Path::new("")));
+        Failure::input(format!("{file}: configuration {index}: {what}"))
     };
     // All of them first: nothing is printed of a file that is wrong farther down.
     let poses = configurations.iter().enumerate().map(|(index, positions)| {
@@ -194,10 +196,8 @@ impl<'a> ConfigurationLine<'a> {
 }
 
 fn read_srdf(path: &Path) -> Result<Semantics, Failure> {
-    let (name, text) = (path.display(), read_text("SRDF file", path)?);
-    read_semantics(&text).map_err(|problem| {
-        Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
-    })
+    let text = read_text("SRDF file", path)?;
+    read_semantics(&text).map_err(|problem| wrong_srdf(path, &problem))
 }
 
 /// Pairs of links that are checked. Of a group: those of which it moves at least one.
@@ -208,26 +208,35 @@ fn checked_pairs(
 ) -> Result<Vec<(usize, usize)>, Failure> {
     let mut pairs = robot.checked_pairs(&semantics.disabled_pairs);
     let (Some(name), Some(file)) = (&args.group, &args.srdf) else { return Ok(pairs) };
-    let group = semantics
-        .group_of(robot, name)
-        .map_err(|problem| Failure::input(format!("SRDF file {}: {problem}.", file.display())))?;
+    let group = semantics.group_of(robot, name).map_err(|problem| wrong_srdf(file, &problem))?;
     let moved = group.moved_links(robot);
     pairs.retain(|(a, b)| moved.contains(a) || moved.contains(b));
+    if pairs.is_empty() {
+        return Err(Failure::input(format!(
+            "SRDF file {}: the group {name:?} moves no pair of links that is checked: a joint joins them, the file disables them, or they have no collision geometry. Name another group, or leave --group out.",
+            file.display()
+        )));
+    }
     Ok(pairs)
 }
 
-/// Sentences about links that an SRDF file names and the robot does not have.
-fn unknown_links(robot: &Robot, disabled: &[[String; 2]]) -> Vec<String> {
-    let mut unknown: Vec<&str> = disabled
-        .iter()
-        .flatten()
-        .map(String::as_str)
-        .filter(|name| robot.link(name).is_none())
-        .collect();
-    unknown.sort_unstable();
-    unknown.dedup();
-    let sentence = |name: &&str| format!("the SRDF names the link {name:?}, which the robot lacks");
-    unknown.iter().map(sentence).collect()
+/// What somebody should know of the files before configurations are checked.
+fn warnings(
+    args: &RobotArgs,
+    robot: &Robot,
+    semantics: &Semantics,
+    drawn: bool,
+) -> Result<Vec<String>, Failure> {
+    let stands_for = "no link has collision geometry: the visual meshes stand for it";
+    let mut warnings: Vec<String> = drawn.then(|| stands_for.to_owned()).into_iter().collect();
+    if let Some(file) = &args.srdf {
+        warnings.extend(semantics.misfits(robot).map_err(|problem| wrong_srdf(file, &problem))?);
+    }
+    Ok(warnings)
+}
+
+fn wrong_srdf(file: &Path, problem: &str) -> Failure {
+    Failure::input(format!("SRDF file {}: {problem}.", file.display()))
 }
 
 fn refused(error: &RobotError) -> Failure {

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, DeepestSummary, EstimateSummary, JointSummary, LeftSummary, PairsFound,
-    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError,
-    TrackedContacts, TrackingSummary, TriggerSummary, check_outputs, helices, rings,
+    CAMERA_PRESETS, ContactFields, DEFAULT_CAMERA, DeepestSummary, EstimateSummary, JointSummary,
+    LeftSummary, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp,
+    SceneAppError, TrackedContacts, TrackingSummary, TriggerSummary, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
+use cranny_world::description::SceneDescription;
 use serde::Serialize;
 
 use crate::args::{DetectorArg, Format, RunArgs};
@@ -50,7 +51,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     for overlap in overlaps::sentences(&overlaps_at_start) {
         tracing::warn!(scene = %args.scene.display(), "{overlap}");
     }
-    let names_cameras = !scene.description.cameras.is_empty();
+    check_camera(args, &scene.description)?;
+    let names_cameras = !scene.description.cameras.is_empty() || args.pictures.camera.is_some();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
     let options = RunOptions {
         plugins: PluginOptions {
@@ -109,6 +111,28 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         Format::Json => output.json(&RunLine { summary: &summary, overlaps_at_start }),
         Format::Text => output.line(&text(&summary)),
     }
+}
+
+/// Fails if `--camera` names none, or chooses one of pictures that nobody wants.
+fn check_camera(args: &RunArgs, scene: &SceneDescription) -> Result<(), Failure> {
+    let Some(name) = &args.pictures.camera else { return Ok(()) };
+    if args.record.is_none() && args.frames.is_none() && args.preview.is_none() {
+        return Err(Failure::input(format!(
+            "--camera {name}: nothing is drawn. Add --frames, --preview or --record, or leave it out."
+        )));
+    }
+    let of_scene: Vec<&str> = match &scene.cameras[..] {
+        [] => vec![DEFAULT_CAMERA],
+        cameras => cameras.iter().map(|camera| camera.name.as_str()).collect(),
+    };
+    let known = [&of_scene[..], &CAMERA_PRESETS].concat();
+    if known.contains(&name.as_str()) {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "--camera {name}: there is none of that name. Choose one of {}.",
+        known.join(", ")
+    )))
 }
 
 /// The detector that an argument names.

@@ -9,13 +9,28 @@ use cranny_scene::{
 use crate::failure::Failure;
 use crate::paths::check_input;
 use crate::progress;
+use crate::words::counted;
 
-/// Loads a scene and all that it names. Notes are logged.
+/// Loads a scene and all that it names. Warnings and notes are logged.
+///
+/// # Errors
+///
+/// As [`read`].
+pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Failure> {
+    let scene = read(path, options)?;
+    for warning in &scene.warnings {
+        tracing::warn!(scene = %path.display(), "{warning}");
+    }
+    Ok(scene)
+}
+
+/// Loads a scene and all that it names, for a command whose result has the warnings. Notes are
+/// logged.
 ///
 /// # Errors
 ///
 /// A scene that cannot be read or is wrong.
-pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Failure> {
+pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Failure> {
     check_input("scene file", path)?;
     if MeshFormat::of_path(path).is_some() || is_saved_model(path) {
         return Err(Failure::input(format!(
@@ -27,10 +42,8 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene, Fa
     let scene = load_scene_with(path, options).map_err(wrong_scene)?;
     waiting.finish_and_clear();
     let (bodies, files) = (scene.description.bodies.len(), scene.files.len());
-    tracing::info!("{}: {bodies} bodies, {files} files named", path.display());
-    for warning in &scene.warnings {
-        tracing::warn!(scene = %path.display(), "{warning}");
-    }
+    let [bodies, files] = [counted(bodies, "body"), counted(files, "file")];
+    tracing::info!("{}: {bodies}, and {files} that it names", path.display());
     for note in &scene.notes {
         tracing::info!(scene = %path.display(), "{note}");
     }

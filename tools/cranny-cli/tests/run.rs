@@ -305,7 +305,10 @@ fn a_recording_says_at_which_level_it_was_made() {
     assert!(count(|stats| stats.open_pairs > 0) > 0);
     let text = String::from_utf8(cranny(&["replay", &recording]).stdout).unwrap();
     assert!(text.contains("hulls, 500 tests a step: they depend on what"), "{text}");
-    let line = summary(&cranny(&["replay", &recording, "--format", "json"]));
+    // Triggers alone leave nothing to compare.
+    let replayed = cranny(&["replay", &recording, "--format", "json"]);
+    assert_eq!(replayed.status.code(), Some(1), "{replayed:?}");
+    let line: Value = serde_json::from_slice(&replayed.stdout).unwrap();
     assert_eq!((&line["accuracy"], &line["budget"]), (&"hulls".into(), &"500".into()));
     // An exact one says nothing of the kind.
     let exact = at("exact.mcap");
@@ -363,6 +366,33 @@ fn unwritable_outputs_are_refused_before_anything_runs() {
     assert_refused(&refused, 1, &[occupied.to_str().unwrap()]);
     fs::remove_file(&occupied).unwrap();
     assert_eq!(names(folder.path()), ["drop.ron"]);
+}
+
+/// Also where no graphics adapter would have looked for it.
+#[test]
+fn a_camera_that_draws_nothing_is_refused_before_anything_runs() {
+    let (folder, scene) = scene();
+    let out = folder.path().join("out.mcap").to_str().unwrap().to_owned();
+    let refused = cranny(&["run", &scene, "--record", &out, "--camera", "zz"]);
+    assert_refused(&refused, 2, &["--camera zz", "main, isometric, front, side, top"]);
+    let refused = cranny(&["run", &scene, "--camera", "front"]);
+    assert_refused(&refused, 2, &["--camera front", "Add --frames, --preview or --record"]);
+    assert_eq!(names(folder.path()), ["drop.ron"]);
+}
+
+/// Standard error is no terminal here.
+#[test]
+fn warnings_show_unless_they_are_silenced() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("overlap.ron");
+    fs::write(&scene, DROP.replace("at: (0.125, 0, 1.25)", "at: (0.125, 0, 0.75)")).unwrap();
+    let scene = scene.to_str().unwrap();
+    let stderr = |more: &[&str]| {
+        let output = cranny(&[&["run", scene, "--duration", "0.01"], more].concat());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(stderr(&[]).contains("WARN") && stderr(&[]).contains("overlap by"), "{}", stderr(&[]));
+    assert_eq!(stderr(&["--quiet"]), "");
 }
 
 #[test]

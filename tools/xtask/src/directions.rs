@@ -56,7 +56,14 @@ const TABLE: &[(&str, &[&str])] = &[
     ("cranny-shapes", &["cranny-exact", "cranny-geometry", "cranny-primitives"]),
     (
         "cranny-scene",
-        &["cranny-exact", "cranny-geometry", "cranny-primitives", "cranny-world", "cranny-shapes"],
+        &[
+            "cranny-exact",
+            "cranny-geometry",
+            "cranny-broad-phase",
+            "cranny-primitives",
+            "cranny-world",
+            "cranny-shapes",
+        ],
     ),
     (
         "cranny-rapier",

@@ -11,6 +11,9 @@ use crate::error::SceneAppError;
 /// Name of the camera of a scene that names none.
 pub const DEFAULT_CAMERA: &str = "main";
 
+/// Names of directions, each of which is a camera of every scene.
+pub const CAMERA_PRESETS: [&str; 4] = ["isometric", "front", "side", "top"];
+
 /// A camera by name.
 pub type NamedCamera = (String, Camera);
 
@@ -87,10 +90,10 @@ pub(super) fn preset(
         "side" => CameraView::Side,
         "top" => CameraView::Top,
         _ => {
-            let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();
+            let names = known.iter().map(|(name, _)| name.as_str()).chain(CAMERA_PRESETS);
             let why = format!(
-                "there is none of that name: choose {}, isometric, front, side or top",
-                names.join(", ")
+                "there is none of that name. Choose one of {}",
+                names.collect::<Vec<_>>().join(", ")
             );
             return Err(SceneAppError::Camera { camera: name.to_owned(), why });
         }

@@ -55,6 +55,12 @@ impl Scales<'_> {
         if share > 0.0 { share.clamp(SHORTEST, 1.0) } else { 0.0 }
     }
 
+    /// Whether pairs have arrows: beside no other pair's, that of a depth says nothing.
+    fn has_arrows(&self, moment: &Moment) -> bool {
+        let of_pairs = moment.pairs.iter().filter(|pair| self.share(pair) > 0.0).count();
+        of_pairs > usize::from(self.impulse <= 0.0)
+    }
+
     /// What the marks of these pictures mean.
     pub(super) fn keys(&self, moment: &Moment) -> Vec<Key> {
         let all = || moment.pairs.iter().flat_map(|pair| contacts(&pair.answer));
@@ -66,10 +72,10 @@ impl Scales<'_> {
         if all().count() <= THRONG && all().any(|c| c.separation > 0.0) {
             keys.push(Key::new(Mark::Body(palette::GAP), "contact across a gap"));
         }
-        if moment.pairs.iter().any(|pair| self.share(pair) > 0.0) {
+        if self.has_arrows(moment) {
             let text = match self.impulse > 0.0 {
-                true => format!("impulse of a step, longest: {}", number(self.impulse)),
-                false => format!("depth of a pair, longest: {}", number(self.depth)),
+                true => format!("impulse of a step; the longest: {}", number(self.impulse)),
+                false => format!("depth of a pair, enlarged; the longest: {}", number(self.depth)),
             };
             keys.push(Key::new(Mark::Arrow(palette::INK), text));
         }
@@ -105,11 +111,15 @@ pub(super) fn push_contacts(
     let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let radius = if count > CROWD { CROWDED } else { POINT };
     let points = moment.pairs.iter().flat_map(|pair| contacts(&pair.answer)).take(MARKS_MAX);
-    for contact in points.filter(|contact| count <= THRONG || contact.separation <= 0.0) {
+    let mut points: Vec<Contact> =
+        points.filter(|contact| count <= THRONG || contact.separation <= 0.0).collect();
+    // The deepest are drawn over what is beside them.
+    points.sort_by(|a, b| b.separation.total_cmp(&a.separation));
+    for contact in points {
         let color = scales.point_color(&contact);
         list.points.push(Point { position: middle(&contact), color, radius, on_top: true });
     }
-    for pair in &moment.pairs {
+    for pair in moment.pairs.iter().filter(|_| scales.has_arrows(moment)) {
         push_arrow(list, pair, scales, ARROW * height);
     }
 }

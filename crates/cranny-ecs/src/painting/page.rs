@@ -5,7 +5,7 @@ use cranny_render::{
     Camera, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, palette,
 };
 
-use super::coats::Coats;
+use super::coats::{Coat, Coats};
 use super::focus::{Focus, contacts, look_into, nearest};
 use super::marks::number;
 use super::{MeetingPair, Moment, ScenePainter, marks};
@@ -142,7 +142,7 @@ impl ScenePainter {
                 format!("{} and {} cut open", name(a), name(b))
             }
             (_, Some(_)) => {
-                format!("its middle, magnified {} x", number((focus.radius / radius).round()))
+                format!("its middle, {} x as large", number((focus.radius / radius).round()))
             }
             (bodies, None) => {
                 let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
@@ -160,8 +160,15 @@ impl ScenePainter {
                 keys.push(Key::new(Mark::Hatched(coat.color), format!("{}{still}", coat.name)));
             }
         }
+        let is_grey = |coat: &Coat| !coat.moves() && coat.color == palette::STATIONARY;
+        let focused = focus.iter().flat_map(|focus| &focus.bodies);
+        let is_named = focused.filter_map(|&id| self.coats.get(id)).any(is_grey);
+        if !is_named && self.coats.iter().any(|(_, coat)| is_grey(coat)) {
+            keys.push(Key::new(Mark::Body(palette::STATIONARY), "stands still"));
+        }
         if moment.pairs.iter().any(|pair| pair.answer.depth() > 0.0) {
-            keys.push(Key::new(Mark::Body(palette::OVERLAP), "overlap"));
+            let text = "overlap; lines: surfaces cross";
+            keys.push(Key::new(Mark::Body(palette::OVERLAP), text));
         }
         keys.extend(self.scales().keys(moment));
         keys

@@ -57,12 +57,15 @@ impl Looks {
     /// What it is and what to do, for a message.
     pub(super) fn advice(self) -> String {
         let Self::Mesh(format) = self else {
-            return "a saved model. Give it the extension .cranny".to_owned();
+            return "a saved model. Give it the extension .cranny, also where a scene names it"
+                .to_owned();
         };
         let name = format.name();
         let extension = MeshFormat::EXTENSIONS.iter().find(|(_, known)| *known == format);
         let extension = extension.map_or("", |(extension, _)| extension);
-        format!("{name} content. Give it the extension .{extension}")
+        format!(
+            "{name} content. Give it the extension .{extension}, also where a scene or a robot names it"
+        )
     }
 }
 

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use cranny_geometry::{Flatness, Mesh};
 use thiserror::Error;
 
-use crate::byte_order_mark::bytes_without_mark;
+use crate::text_file::bytes_without_mark;
 
 pub use collada::UpAxis;
 pub use looks::Looks;

@@ -9,7 +9,7 @@ use super::builder::{Builder, Weld};
 use super::problem::{DecodeError, Place, Problem, excerpt};
 use super::text::Words;
 use super::{MeshFile, MeshFormat};
-use crate::byte_order_mark::bytes_without_mark;
+use crate::text_file::bytes_without_mark;
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;

@@ -82,8 +82,8 @@ impl Semantics {
         into: &mut RobotGroup,
     ) -> Result<(), String> {
         let found = self.groups.get(name).ok_or_else(|| {
-            let known = listed(self.groups.keys().map(String::as_str));
-            format!("it has no group {name:?}. Its groups are {known}")
+            let known = these("groups", self.groups.keys().map(String::as_str));
+            format!("it has no group {name:?}. {known}")
         })?;
         open.push(name);
         for Member { kind, line } in &found.members {
@@ -94,9 +94,9 @@ impl Semantics {
                     return Err(refused(format!("holds itself ({circle}). Take one of them out")));
                 }
                 MemberKind::Group(inner) if !self.groups.contains_key(inner) => {
-                    let known = listed(self.groups.keys().map(String::as_str));
+                    let known = these("groups", self.groups.keys().map(String::as_str));
                     return Err(refused(format!(
-                        "names the group {inner:?}, which is not there. Its groups are {known}"
+                        "names the group {inner:?}, which is not there. {known}"
                     )));
                 }
                 MemberKind::Group(inner) => self.gather(robot, inner, open, into)?,
@@ -123,10 +123,9 @@ impl RobotGroup {
             }
             MemberKind::Joint(name) => {
                 let joint = robot.joint(name).ok_or_else(|| {
-                    let known = listed(robot.joints.iter().map(|joint| joint.name.as_str()));
-                    format!(
-                        "names the joint {name:?}, which the robot lacks. Its joints are {known}"
-                    )
+                    let known =
+                        these("joints", robot.joints.iter().map(|joint| joint.name.as_str()));
+                    format!("names the joint {name:?}, which the robot lacks. {known}")
                 })?;
                 self.add_joint(robot, joint);
             }
@@ -173,19 +172,21 @@ fn joints_to_root(robot: &Robot, link: usize) -> BTreeSet<usize> {
 
 fn link_of(robot: &Robot, name: &str) -> Result<usize, String> {
     robot.link(name).ok_or_else(|| {
-        let known = listed(robot.links.iter().map(|link| link.name.as_str()));
-        format!("names the link {name:?}, which the robot lacks. Its links are {known}")
+        let known = these("links", robot.links.iter().map(|link| link.name.as_str()));
+        format!("names the link {name:?}, which the robot lacks. {known}")
     })
 }
 
-/// Names as a sentence has them: enough to see a typing error.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+/// A sentence about the names that there are: enough to see a typing error.
+pub(crate) fn these<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
     const NAMED: usize = 12;
     let all: Vec<&str> = names.collect();
     match all.len() {
-        0 => "none".to_owned(),
-        n if n > NAMED => format!("{} and {} more", all[..NAMED].join(", "), n - NAMED),
-        _ => all.join(", "),
+        0 => format!("It has no {what}"),
+        n if n > NAMED => {
+            format!("Its {what} are {} and {} more", all[..NAMED].join(", "), n - NAMED)
+        }
+        _ => format!("Its {what} are {}", all.join(", ")),
     }
 }
 
@@ -279,6 +280,6 @@ mod tests {
         }
         let semantics = read_semantics("<robot name='r'/>").unwrap();
         let none = semantics.group_of(&robot(), "arm").unwrap_err();
-        assert_eq!(none, "it has no group \"arm\". Its groups are none");
+        assert_eq!(none, "it has no group \"arm\". It has no groups");
     }
 }

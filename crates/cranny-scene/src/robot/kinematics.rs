@@ -11,11 +11,11 @@ use super::{Robot, RobotJoint};
 #[non_exhaustive]
 pub enum PositionError {
     /// No joint of that name.
-    #[error("the robot has no joint {joint:?}; its movable joints are {movable}")]
+    #[error("the robot has no joint {joint:?}; {}", movable_joints(movable))]
     UnknownJoint {
         /// The name.
         joint: String,
-        /// Names that would do, separated by commas.
+        /// Names that would do, separated by commas; empty where no joint moves.
         movable: String,
     },
     /// The joint has no position of its own.
@@ -34,6 +34,13 @@ pub enum PositionError {
         /// Value found.
         value: f64,
     },
+}
+
+fn movable_joints(names: &str) -> String {
+    match names {
+        "" => "none of its joints moves".to_owned(),
+        names => format!("its movable joints are {names}"),
+    }
 }
 
 /// The message: a `main` that fails prints an error by `Debug`.
@@ -119,7 +126,7 @@ impl Robot {
     fn movable_joints(&self) -> String {
         let free = |joint: &&RobotJoint| joint.has_position() && joint.mimic.is_none();
         let names: Vec<_> = self.joints.iter().filter(free).map(|j| j.name.as_str()).collect();
-        if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+        names.join(", ")
     }
 }
 

@@ -22,6 +22,7 @@ use cranny_geometry::Mesh;
 use cranny_primitives::Primitive;
 use cranny_world::description::{BodyColor, JointKind, Mimic, Resistance, StatedMass};
 
+pub(crate) use group::these;
 pub use group::{Member, MemberKind, RobotGroup, SemanticGroup};
 pub use kinematics::PositionError;
 pub(crate) use kinematics::about;

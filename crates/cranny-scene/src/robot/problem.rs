@@ -6,13 +6,14 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::mesh_file::MeshFileError;
+use crate::text_file::remedy;
 
 /// Why a URDF file is no robot.
 #[derive(Error)]
 #[non_exhaustive]
 pub enum RobotError {
     /// The file cannot be opened or read.
-    #[error("robot file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
+    #[error("robot file {}: cannot be read ({source}). {}.", path.display(), remedy(source))]
     Unreadable {
         /// The path.
         path: PathBuf,

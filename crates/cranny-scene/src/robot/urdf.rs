@@ -16,13 +16,17 @@ use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
 use super::sift::{Sifted, sift};
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
-use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
+use crate::text_file::{read_text, without_mark};
 
 /// Size of the smallest body that an inertia can be of, metres. Smaller: what exporters leave of 0
 /// (1e-19 kg m^2 beside 1 kg) is taken for an inertia, and the solver blows up; larger: screws lose
 /// theirs.
 const SPECK: f64 = 1e-4;
+
+/// Diagonal of a link's mesh above which it may be in millimetres, metres. Smaller: cranes are
+/// taken for it; larger: fingers are not.
+const LARGEST_LINK: f64 = 20.0;
 
 /// Reads a robot from a URDF file.
 ///
@@ -39,7 +43,7 @@ const SPECK: f64 = 1e-4;
 /// mended, and a note says so.
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
-    let text = fs::read_to_string(path).map_err(unreadable)?;
+    let text = read_text(path).map_err(unreadable)?;
     let text = without_mark(&text);
     let sifted = sift(path, text)?;
     let urdf = urdf_rs::read_from_string(&sifted.text).map_err(|error| {
@@ -263,6 +267,7 @@ impl Reader {
             }
         };
         if scale == DVec3::ONE {
+            self.note_of_size(link, uri, &filed);
             return Ok(filed);
         }
         if scale.x * scale.y * scale.z == 0.0 || !scale.is_finite() {
@@ -274,6 +279,18 @@ impl Reader {
         scaled
             .map(Arc::new)
             .map_err(|error| self.error("link", link, format!("mesh {uri:?}, scaled: {error}")))
+    }
+
+    /// That a mesh may be in millimetres.
+    fn note_of_size(&mut self, link: &str, uri: &str, mesh: &Mesh) {
+        let size = mesh.bounds().diagonal();
+        let what = format!(
+            "has the mesh {uri:?}, whose box is {size:.0} m across. Where it is in millimetres, give it scale=\"0.001 0.001 0.001\""
+        );
+        let is_known = self.notes.iter().any(|note| note.contains(&what));
+        if size > LARGEST_LINK && !is_known {
+            self.note("link", link, &what);
+        }
     }
 
     fn joint(
@@ -383,11 +400,11 @@ impl Reader {
     ) -> Result<(usize, Vec<usize>), RobotError> {
         let tree = |problem: String| RobotError::Tree { path: self.path.clone(), problem };
         let mut parent_joint = vec![None; links.len()];
-        for joint in joints {
-            if let Some(other) = parent_joint[joint.child].replace(joint.name.as_str()) {
+        for (index, joint) in joints.iter().enumerate() {
+            if let Some(other) = parent_joint[joint.child].replace(index) {
                 let problem = format!(
-                    "it is the child of joint {other:?} and of joint {:?}. Links must form a tree: remove one of them.",
-                    joint.name
+                    "it is the child of joint {:?} and of joint {:?}. Links must form a tree: remove one of them.",
+                    joints[other].name, joint.name
                 );
                 return Err(self.error("link", &links[joint.child].name, problem));
             }
@@ -403,7 +420,7 @@ impl Reader {
                 };
                 return Err(tree(format!("it has no links. {advice}")));
             }
-            [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
+            [] => return Err(self.cycle(0, &parent_joint, joints)),
             _ => {
                 let names: Vec<_> = roots.iter().map(|&i| links[i].name.as_str()).collect();
                 return Err(tree(format!(
@@ -425,13 +442,36 @@ impl Reader {
             }
         }
         match (0..links.len()).find(|link| !reached.contains(link)) {
-            Some(lost) => {
-                let problem =
-                    "it is not reached from the root: its joints form a cycle.".to_owned();
-                Err(self.error("link", &links[lost].name, problem))
-            }
+            Some(lost) => Err(self.cycle(lost, &parent_joint, joints)),
             None => Ok((root, order)),
         }
+    }
+
+    /// The joints that lead in a circle, on the way up from a link that no root is above.
+    fn cycle(
+        &self,
+        link: usize,
+        parent_joint: &[Option<usize>],
+        joints: &[RobotJoint],
+    ) -> RobotError {
+        let mut above: Vec<usize> = Vec::new();
+        let mut at = link;
+        let circle = loop {
+            let Some(joint) = parent_joint[at] else { break &above[..] };
+            if let Some(first) = above.iter().position(|&passed| passed == joint) {
+                break &above[first..];
+            }
+            above.push(joint);
+            at = joints[joint].parent;
+        };
+        let names: Vec<_> =
+            circle.iter().rev().map(|&joint| format!("{:?}", joints[joint].name)).collect();
+        let first = circle.last().map_or("", |&joint| joints[joint].name.as_str());
+        let problem = format!(
+            "the joints {} lead in a circle, but links and joints must form a tree. Take one of them out.",
+            names.join(", ")
+        );
+        self.error("joint", first, problem)
     }
 }
 

@@ -11,14 +11,15 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, Effect, Keyframe, KeyframedPath,
-    Material, Normals, PairDescription, SceneDescription, StatedMass, TrackerDescription,
+    Material, Normals, SceneDescription, StatedMass, TrackerDescription,
 };
 
 use super::body_syntax::{BodyFile, MassFile, PoseFile, ShapeFile};
 use super::geometry::CollisionGeometry;
 use super::include::{Sheet, Sheets};
+use super::pair::NamedPairs;
 use super::problem::{SceneError, SceneProblem, located};
-use super::syntax::{AccuracyFile, CameraFile, PairFile, PresetFile, SceneFile, effects};
+use super::syntax::{CameraFile, PresetFile, SceneFile, effects};
 use super::{LoadOptions, locate, mass, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
@@ -31,6 +32,8 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
         source: own.source(),
         description: described(own, options),
         groups: BTreeMap::new(),
+        pairs: NamedPairs::default(),
+        robots: BTreeSet::new(),
         piles: 0,
         shapes: Vec::new(),
         drawn: Vec::new(),
@@ -51,6 +54,12 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
     for sheet in all() {
         assembly.turn_to(sheet);
         assembly.add_relations(&sheet.scene)?;
+    }
+    // What is kept from meeting is known before what is wanted of pairs, whichever file says so.
+    for sheet in all() {
+        assembly.turn_to(sheet);
+        let meeting = sheet.scene.pairs.iter().filter(|pair| pair.collide);
+        meeting.into_iter().try_for_each(|pair| assembly.pair(pair))?;
     }
     for sheet in [own].into_iter().chain(included) {
         assembly.turn_to(sheet);
@@ -87,8 +96,9 @@ fn described(sheet: &Sheet, options: &LoadOptions) -> SceneDescription {
 /// Which values of an included file do not count.
 fn note_of_included(sheet: &Sheet) -> Option<String> {
     let fields: Vec<_> = sheet.unheeded().iter().map(|field| format!("`{field}`")).collect();
+    let verb = if fields.len() == 1 { "does" } else { "do" };
     (!fields.is_empty()).then(|| {
-        format!("{}: included, so its {} do not count", sheet.path.display(), fields.join(", "))
+        format!("{}: included, so its {} {verb} not count", sheet.path.display(), fields.join(", "))
     })
 }
 
@@ -123,6 +133,9 @@ pub(super) struct Assembly<'a> {
     pub(super) description: SceneDescription,
     /// By name: piles and grids, and groups of SRDF files as `<robot>/<group>`.
     pub(super) groups: BTreeMap<String, GroupBodies>,
+    pub(super) pairs: NamedPairs,
+    /// Names of robots so far.
+    pub(super) robots: BTreeSet<String>,
     /// Piles so far.
     pub(super) piles: u64,
     /// Geometry made so far: bodies of one shape share it.
@@ -167,7 +180,7 @@ impl Assembly<'_> {
     fn add_relations(&mut self, scene: &SceneFile) -> Result<(), SceneError> {
         scene.joints.iter().try_for_each(|joint| self.joint(joint))?;
         self.check_joint_names()?;
-        scene.pairs.iter().try_for_each(|pair| self.pair(pair))
+        scene.pairs.iter().filter(|pair| !pair.collide).try_for_each(|pair| self.keep_apart(pair))
     }
 
     fn body(&mut self, body: &BodyFile) -> Result<(), SceneError> {
@@ -387,68 +400,6 @@ impl Assembly<'_> {
             let problem = SceneProblem::UnknownBody { name: name.to_owned(), known };
             self.source.error(self.source.find(field, name), problem)
         })
-    }
-
-    /// The bodies of a name: the one of that name, else those of the group.
-    fn bodies_of(&self, field: &str, name: &str) -> Result<Vec<usize>, SceneError> {
-        match (self.index_of(field, name), self.groups.get(name)) {
-            (Ok(body), _) => Ok(vec![body]),
-            (Err(_), Some(Ok(bodies))) => Ok(bodies.clone()),
-            (Err(_), Some(Err(why))) => {
-                let place = self.source.find(field, name);
-                Err(self.source.error(place, SceneProblem::Contradiction(why.clone())))
-            }
-            (Err(unknown), None) => Err(unknown),
-        }
-    }
-
-    fn pair(&mut self, pair: &PairFile) -> Result<(), SceneError> {
-        let refused = |what: String| {
-            let place = self.source.find("b", &pair.b);
-            self.source.error(place, SceneProblem::Contradiction(what))
-        };
-        let [of_a, of_b] = [self.bodies_of("a", &pair.a)?, self.bodies_of("b", &pair.b)?];
-        let mut known = BTreeSet::new();
-        let pairs = of_a.iter().flat_map(|&a| of_b.iter().map(move |&b| (a, b)));
-        let pairs: Vec<_> =
-            pairs.filter(|&(a, b)| a != b && known.insert((a.min(b), a.max(b)))).collect();
-        if pairs.is_empty() {
-            let what = match of_a.len().max(of_b.len()) {
-                1 => format!("a pair names {:?} twice: a body does not meet itself", pair.a),
-                _ => format!("the groups {:?} and {:?} have no two bodies", pair.a, pair.b),
-            };
-            return Err(refused(what));
-        }
-        if !pair.collide && (!pair.effects.is_empty() || pair.accuracy.is_some()) {
-            let has = if pair.effects.is_empty() { "an accuracy" } else { "effects" };
-            return Err(refused(format!(
-                "the pair {:?} and {:?} has {has}, but `collide: false` keeps it from meeting. Keep one of the two",
-                pair.a, pair.b
-            )));
-        }
-        if !pair.collide {
-            self.description.excluded_pairs.extend(known);
-            return Ok(());
-        }
-        // The members of a group that never meet have no effects.
-        let is_single = pairs.len() == 1;
-        for (a, b) in pairs {
-            if is_single || !self.description.excluded_pairs.contains(&(a.min(b), a.max(b))) {
-                self.add_pair(a, b, pair);
-            }
-        }
-        Ok(())
-    }
-
-    fn add_pair(&mut self, a: usize, b: usize, pair: &PairFile) {
-        let name = |body: usize| self.description.bodies[body].name.clone();
-        let described = PairDescription {
-            a: name(a),
-            b: name(b),
-            effects: effects(&pair.effects),
-            accuracy: pair.accuracy.map(AccuracyFile::level),
-        };
-        self.description.pairs.push(described);
     }
 
     fn camera(&mut self, camera: &CameraFile) -> Result<(), SceneError> {

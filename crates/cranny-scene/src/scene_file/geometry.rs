@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildOptions, FindingKind, Mesh, Model, Repair, Report};
+use cranny_geometry::{BuildError, BuildOptions, FindingKind, Mesh, Model, Repair, Report};
 use cranny_primitives::{BodyShape, Primitive};
 use cranny_shapes::primitive_mesh;
 
@@ -77,6 +77,9 @@ impl Assembly<'_> {
             ShapeFile::Mesh { path, units, scale, recenter, repair } => {
                 let factors = self.factors(body, path, *units, scale.0)?;
                 let mesh = self.mesh_file(body, path, factors, *recenter)?;
+                if units.is_none() && scale.0 == DVec3::ONE {
+                    self.notes.extend(note_of_size(path, &mesh));
+                }
                 self.mended(body, path, mesh, (*repair).into())?
             }
         };
@@ -197,11 +200,11 @@ impl Assembly<'_> {
     ) -> Result<CollisionGeometry, SceneError> {
         let options = BuildOptions { repair, ..BuildOptions::default() };
         let (model, report) = Model::build(mesh, &options).map_err(|error| {
-            let advice = match repair {
-                Repair::None => "",
-                _ => ". `repair: None` takes the mesh as it is filed",
+            let advice = match error {
+                BuildError::NotProved(_) => "`repair: None` takes the mesh as it is filed",
+                _ => "Export it again from where it is whole",
             };
-            self.contradicted(body, format!("{name}: {error}{advice}"))
+            self.contradicted(body, format!("{name}: {error}. {advice}"))
         })?;
         let mended = report.repairs().iter().map(|repair| format!("{name}: mended: {repair}"));
         self.notes.extend(mended);
@@ -216,6 +219,24 @@ impl Assembly<'_> {
         }
         Ok(CollisionGeometry::of_model(model))
     }
+}
+
+/// Diagonal of a mesh above which it may be in millimetres, in a scene in metres. Smaller: rooms
+/// are taken for it; larger: tools are not.
+const LARGEST_ROOM: f64 = 20.0;
+
+/// That a mesh may be in millimetres. A scene may be in any unit, so it is no warning.
+fn note_of_size(name: &str, mesh: &Mesh) -> Option<String> {
+    let has_no_unit = !matches!(
+        MeshFormat::of_path(Path::new(name)),
+        Some(MeshFormat::Gltf | MeshFormat::Collada)
+    );
+    let size = mesh.bounds().diagonal();
+    (has_no_unit && size > LARGEST_ROOM).then(|| {
+        format!(
+            "{name}: its box is {size:.0} across. Where the file is in millimetres and the scene in metres, say `units: Millimetres`"
+        )
+    })
 }
 
 /// Findings that tell of faces within the solid, which enclose a part of it twice.

@@ -9,7 +9,7 @@ use cranny_world::world_box;
 
 use super::assemble::Assembly;
 use super::geometry::CollisionGeometry;
-use super::obstacles::{Obstacles, prepared};
+use super::obstacles::{Obstacles, Standing, prepared};
 use super::pile::{self, Piece};
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{GridFile, GroupFile, PieceFile, PileFile, effects};
@@ -110,20 +110,19 @@ impl Assembly<'_> {
         let around = candidates.iter().fold(Aabb::EMPTY, |all, piece| all.union(&bounds(piece)));
         let bodies = &self.description.bodies;
         let mut obstacles = Obstacles::within(&around, of.layers, bodies, &mut stock.models)?;
-        let none: Vec<BodyDescription> = Vec::new();
-        let mut own = Obstacles::within(&around, of.layers, &none, &mut stock.models)?;
         let (all, mut pieces) = (candidates.len(), Vec::new());
         for piece in candidates {
-            let shape = &shapes[piece.shape];
-            if obstacles.meeting(shape, &piece.pose)?.is_some() {
-                continue;
+            if obstacles.meeting(&shapes[piece.shape], &piece.pose)?.is_none() {
+                pieces.push(piece);
             }
-            let name = of.name_of(pieces.len());
-            if let Some(other) = own.meeting(shape, &piece.pose)? {
-                return Err(format!("its pieces {other:?} and {name:?} meet. Enlarge its spacing"));
-            }
-            own.add(&name, shape, &piece.pose);
-            pieces.push(piece);
+        }
+        let standing = pieces.iter().enumerate().map(|(i, piece)| Standing {
+            name: of.name_of(i),
+            shape: shapes[piece.shape].clone(),
+            pose: piece.pose,
+        });
+        if let Some([a, b]) = Obstacles::of(standing.collect()).meeting_each_other()? {
+            return Err(format!("its pieces {a:?} and {b:?} meet. Enlarge its spacing"));
         }
         let left_out = all - pieces.len();
         let why = obstacles.listed().map(|names| {

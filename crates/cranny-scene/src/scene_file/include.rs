@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 
 use super::assemble::{Source, is_mesh};
 use super::problem::{SceneError, SceneProblem};
+use super::reading::parse;
 use super::setting::{Setting, stated_fields};
-use super::syntax::{SceneFile, parse};
+use super::syntax::SceneFile;
 use super::{LoadOptions, locate};
-use crate::byte_order_mark::without_mark;
+use crate::text_file::{read_text, remedy, without_mark};
 
 /// Fields whose elements an included file adds; all others are those of the file that is loaded.
 const ADDED: [&str; 7] = ["includes", "bodies", "groups", "robots", "joints", "pairs", "cameras"];
@@ -39,8 +40,7 @@ impl Sheet {
         let (handed_on, own): (Vec<_>, Vec<_>) =
             settings.iter().cloned().partition(|setting| setting.for_included().is_some());
         for setting in own {
-            text = setting.applied(&text, path, &hint(&scene.includes))?;
-            scene = parse(&text, path).map_err(|error| setting.blamed(error))?;
+            (text, scene) = setting.applied(&text, path, &hint(&scene.includes))?;
         }
         Ok(Self { path: path.to_owned(), text, scene, handed_on })
     }
@@ -56,10 +56,13 @@ impl Sheet {
             };
             if !names.iter().enumerate().any(|include| is_named(include, name)) {
                 let known: Vec<_> = names.iter().map(|name| format!("{name:?}")).collect();
-                let known = if known.is_empty() { "nothing".to_owned() } else { known.join(", ") };
-                return Err(refused(format!(
-                    "the scene includes no {name:?}. It includes {known}"
-                )));
+                let what = match known.is_empty() {
+                    true => "the scene includes no file".to_owned(),
+                    false => {
+                        format!("the scene includes no {name:?}. It includes {}", known.join(", "))
+                    }
+                };
+                return Err(refused(what));
             }
             let field = rest.field();
             if !ADDED.contains(&field) {
@@ -143,9 +146,8 @@ impl Reading {
             let range = locate::find_string(&from.text, name);
             return Err(source.error(range, late.problem(what)));
         }
-        let text = fs::read_to_string(&path).map_err(|error| {
-            refused(format!("cannot be read ({error}). Check the path and its permissions"))
-        })?;
+        let text = read_text(&path)
+            .map_err(|error| refused(format!("cannot be read ({error}). {}", remedy(&error))))?;
         let sheet = Sheet::read(&text, &path, &settings)?;
         self.included_by(&sheet)?;
         self.sheets.push(sheet);

@@ -20,8 +20,8 @@
 //! relative to the scene file. Loading is deterministic: the same text, files and seed give the
 //! same description to the bit (on one platform: generators use its sine and cosine).
 //!
-//! `setting` puts values into the text, `include` gathers files, `syntax` reads them, `assemble`
-//! makes the description of it, `locate` gives an error its line and column.
+//! `setting` puts values into the text, `include` gathers files, `reading` reads them as `syntax`
+//! says, `assemble` makes the description of it, `locate` gives an error its line and column.
 
 mod advice;
 mod assemble;
@@ -34,11 +34,13 @@ mod locate;
 mod mass;
 mod motor_path;
 mod obstacles;
+mod pair;
 mod pile;
 mod place_joint;
 mod place_robot;
 mod primitive;
 mod problem;
+mod reading;
 #[cfg(test)]
 mod reference;
 mod sensors;
@@ -47,11 +49,11 @@ mod syntax;
 mod tracker;
 mod values;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_world::description::SceneDescription;
 
+use crate::text_file::read_text;
 pub use problem::{Located, SceneError, SceneProblem};
 pub use setting::{Setting, SettingError};
 
@@ -98,7 +100,7 @@ pub fn load_scene(path: &Path) -> Result<LoadedScene, SceneError> {
 ///
 /// As [`load_scene`].
 pub fn load_scene_with(path: &Path, options: &LoadOptions) -> Result<LoadedScene, SceneError> {
-    let text = fs::read_to_string(path)
+    let text = read_text(path)
         .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
     parse_scene(text, path, options)
 }
@@ -114,7 +116,9 @@ pub fn parse_scene(
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
     let sheets = include::sheets(&text, path, options)?;
-    let (description, files, [notes, warnings]) = assemble::assemble(&sheets, options)?;
+    let assembled = assemble::assemble(&sheets, options);
+    let (description, files, [notes, warnings]) =
+        assembled.map_err(|error| blamed(error, &text, path, options))?;
     Ok(LoadedScene {
         description,
         source_text: sheets.own.text,
@@ -124,4 +128,22 @@ pub fn parse_scene(
         notes,
         warnings,
     })
+}
+
+/// Names the setting that an error comes with, of a text that the reader takes: the last one
+/// without which it is not there.
+fn blamed(error: SceneError, text: &str, path: &Path, options: &LoadOptions) -> SceneError {
+    let SceneError::Invalid(located) = &error else { return error };
+    let (said, settings) = (located.problem.to_string(), &options.settings);
+    let fails_with = |settings: &[Setting]| {
+        let options = LoadOptions { settings: settings.to_vec(), ..options.clone() };
+        let sheets = include::sheets(text, path, &options);
+        let assembled = sheets.and_then(|sheets| assemble::assemble(&sheets, &options));
+        matches!(assembled, Err(SceneError::Invalid(other)) if other.problem.to_string() == said)
+    };
+    let enough = (0..settings.len()).find(|&count| fails_with(&settings[..count]));
+    match settings[..enough.unwrap_or(settings.len())].last() {
+        Some(setting) => setting.blamed(error),
+        None => error,
+    }
 }

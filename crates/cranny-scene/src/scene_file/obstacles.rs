@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use cranny_broad_phase::BoxIndex;
 use cranny_exact::{Aabb, Pose};
 use cranny_primitives::BodyShape;
 use cranny_world::description::BodyDescription;
@@ -13,18 +14,26 @@ use crate::robot::LinkModels;
 /// Bodies that may not be met.
 pub(super) struct Obstacles {
     standing: Vec<Standing>,
+    /// Of their boxes.
+    index: BoxIndex,
     /// Names of those that were in the way.
     met: BTreeSet<String>,
 }
 
-struct Standing {
-    name: String,
-    shape: BodyShape,
-    pose: Pose,
-    bounds: Aabb,
+/// A body at its place.
+pub(super) struct Standing {
+    pub(super) name: String,
+    pub(super) shape: BodyShape,
+    pub(super) pose: Pose,
 }
 
 impl Obstacles {
+    pub(super) fn of(standing: Vec<Standing>) -> Self {
+        let bounds = |standing: &Standing| world_box(&standing.shape, &standing.pose, 0.0);
+        let index = BoxIndex::of(standing.iter().map(bounds));
+        Self { standing, index, met: BTreeSet::new() }
+    }
+
     /// Bodies with a part in a box that share a layer with what is to come; sensors are none.
     ///
     /// # Errors
@@ -36,7 +45,7 @@ impl Obstacles {
         bodies: &[BodyDescription],
         models: &mut LinkModels,
     ) -> Result<Self, String> {
-        let mut obstacles = Self { standing: Vec::new(), met: BTreeSet::new() };
+        let mut standing = Vec::new();
         for body in bodies {
             let bounds = body.collision.bounds();
             let is_near = body.primitive().is_some()
@@ -45,20 +54,14 @@ impl Obstacles {
             if is_near && meets {
                 let (mesh, shape) = (body.collision.clone(), body.shape.clone());
                 let shape = prepared(&CollisionGeometry { mesh, shape }, &body.name, models)?;
-                obstacles.add(&body.name, &shape, &body.pose);
+                standing.push(Standing { name: body.name.clone(), shape, pose: body.pose });
             }
         }
-        Ok(obstacles)
+        Ok(Self::of(standing))
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.standing.is_empty()
-    }
-
-    pub(super) fn add(&mut self, name: &str, shape: &BodyShape, pose: &Pose) {
-        let bounds = world_box(shape, pose, 0.0);
-        let (name, shape) = (name.to_owned(), shape.clone());
-        self.standing.push(Standing { name, shape, pose: *pose, bounds });
     }
 
     /// The first body that a shape meets there, exactly: touching counts.
@@ -71,14 +74,43 @@ impl Obstacles {
         shape: &BodyShape,
         pose: &Pose,
     ) -> Result<Option<&str>, String> {
+        let met = self.first_met(shape, pose, self.standing.len())?;
+        let name = met.map(|number| self.standing[number].name.as_str());
+        self.met.extend(name.map(str::to_owned));
+        Ok(name)
+    }
+
+    /// The first two that meet each other.
+    ///
+    /// # Errors
+    ///
+    /// As [`meeting`](Self::meeting).
+    pub(super) fn meeting_each_other(&self) -> Result<Option<[&str; 2]>, String> {
+        for (number, standing) in self.standing.iter().enumerate() {
+            if let Some(other) = self.first_met(&standing.shape, &standing.pose, number)? {
+                return Ok(Some([&self.standing[other].name, &standing.name]));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The number of the first one below `end` that a shape meets.
+    fn first_met(
+        &self,
+        shape: &BodyShape,
+        pose: &Pose,
+        end: usize,
+    ) -> Result<Option<usize>, String> {
         let bounds = world_box(shape, pose, 0.0);
-        for standing in self.standing.iter().filter(|standing| standing.bounds.overlaps(&bounds)) {
-            let both = vec![Some(shape.clone()), Some(standing.shape.clone())];
-            let arranged =
-                Arrangement::new(both, [(0, 1)]).at(&[*pose, standing.pose], Wanted::Meeting);
+        let near = self.index.reached(|held| held.overlaps(&bounds));
+        let mut near: Vec<usize> = near.filter(|&number| number < end).collect();
+        near.sort_unstable();
+        for number in near {
+            let Standing { shape: other, pose: at, .. } = &self.standing[number];
+            let both = vec![Some(shape.clone()), Some(other.clone())];
+            let arranged = Arrangement::new(both, [(0, 1)]).at(&[*pose, *at], Wanted::Meeting);
             if !arranged.map_err(|error| error.to_string())?.meeting.is_empty() {
-                self.met.insert(standing.name.clone());
-                return Ok(Some(&standing.name));
+                return Ok(Some(number));
             }
         }
         Ok(None)

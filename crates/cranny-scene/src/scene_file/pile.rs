@@ -56,10 +56,7 @@ pub(super) fn place(
     let [nx, ny, nz] = (extent / least).to_array().map(|n| n.floor().min(1e6) as usize);
     let holds = nx.saturating_mul(ny).saturating_mul(nz);
     if holds < count {
-        return Err(format!(
-            "its region holds {holds} bodies of bounding diameter {:.4} ({nx} x {ny} x {nz}), but {count} are wanted. Enlarge the region or lower the count",
-            2.0 * largest
-        ));
+        return Err(refused(Room { holds, along: [nx, ny, nz], each: least }, count));
     }
     check_count(count as u128)?;
     let cell = DVec3::new(extent.x / nx as f64, extent.y / ny as f64, least);
@@ -86,11 +83,33 @@ pub(super) fn place(
     }
     if pieces.len() < count {
         return Err(format!(
-            "its region holds {holds} bodies ({nx} x {ny} x {nz}), but only {} of its places are clear of what stands there, and {count} are wanted. Enlarge or move the region, or lower the count",
+            "its region has {holds} places ({nx} x {ny} x {nz}), of which {} are clear of what stands there, but its count is {count}. Enlarge or move the region, or lower the count",
             pieces.len()
         ));
     }
     Ok(pieces)
+}
+
+/// How many bodies a region has room for.
+struct Room {
+    holds: usize,
+    /// Along x, y and z.
+    along: [usize; 3],
+    /// What each needs along x, y and z.
+    each: f64,
+}
+
+/// Why a region does not hold so many bodies.
+fn refused(Room { holds, along: [nx, ny, nz], each }: Room, count: usize) -> String {
+    let needs = format!(
+        "A body needs {each:.4} along x, y and z, since it lies in the region whole, however it is turned, and keeps its `gap`"
+    );
+    match holds {
+        0 => format!("its region holds no body. {needs}. Enlarge the region"),
+        _ => format!(
+            "its region has room for {holds} ({nx} x {ny} x {nz}), but its count is {count}. {needs}. Enlarge the region or lower the count"
+        ),
+    }
 }
 
 /// About the centre of the box: not the smallest, but within a factor of √3 of it.
@@ -152,6 +171,9 @@ mod tests {
     fn what_does_not_fit_is_said() {
         let region = Aabb { min: DVec3::ZERO, max: DVec3::splat(3.0) };
         let error = place(100, 0, &region, 0.0, &shapes(), free).err().unwrap();
-        assert!(error.contains("holds 8 bodies"), "{error}");
+        assert!(error.contains("room for 8 (2 x 2 x 2), but its count is 100"), "{error}");
+        let narrow = Aabb { max: DVec3::new(3.0, 3.0, 1.0), ..region };
+        let error = place(1, 0, &narrow, 0.0, &shapes(), free).err().unwrap();
+        assert!(error.contains("holds no body. A body needs 1."), "{error}");
     }
 }

@@ -61,11 +61,18 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         Some(name) => source.find("name", name),
         None => place,
     };
+    if !assembly.robots.insert(name.clone()) {
+        let what = format!(
+            "two robots are called {name:?}: a robot without a `name` has that of its file. Give one another, as in (path: {:?}, name: \"second\")",
+            file.path
+        );
+        return Err(source.error(place, SceneProblem::Contradiction(what)));
+    }
     let refuse = |problem: String| {
         let what = format!("robot {name:?}: {problem}");
         source.error(place.clone(), SceneProblem::Contradiction(what))
     };
-    let semantics = semantics::read(assembly, file).map_err(refuse)?;
+    let semantics = semantics::read(assembly, file, &robot, &mut warnings).map_err(refuse)?;
     let file = &semantics::with_motors_of_groups(file, &semantics, &robot).map_err(refuse)?;
     let paths = paths_of(file, &robot, &mut warnings).map_err(refuse)?;
     let mut positions =

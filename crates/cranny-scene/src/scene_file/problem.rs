@@ -11,13 +11,14 @@ use thiserror::Error;
 use super::locate::line_and_column;
 use crate::mesh_file::MeshFileError;
 use crate::robot::{PositionError, RobotError};
+use crate::text_file::remedy;
 
 /// Why a scene was not loaded. [`miette`] shows the place in the file.
 #[derive(Error, Diagnostic)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The file cannot be opened or read.
-    #[error("scene file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
+    #[error("scene file {}: cannot be read ({source}). {}.", path.display(), remedy(source))]
     Unreadable {
         /// The path.
         path: PathBuf,

@@ -8,13 +8,15 @@ use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr;
 
-use ron::Value;
+use ron::error::SpannedError;
+use ron::{Error as RonError, Value};
 use thiserror::Error;
 
-use super::advice::advised;
+use super::advice::{advised, perhaps};
 use super::locate::{Token, tokens};
 use super::problem::{SceneError, SceneProblem, located};
-use super::syntax::{default_of_vector, options};
+use super::reading::{explained, options, read, refused, start};
+use super::syntax::{SceneFile, default_of_vector};
 
 /// A value of a scene, in place of the one in its text or of a default: `bodies.nut.mass=Total(2)`.
 ///
@@ -39,8 +41,15 @@ pub enum SettingError {
     /// The path has a step without letters.
     #[error("the path {0:?} has an empty step: write it as in bodies.nut.material.friction")]
     EmptyStep(String),
+    /// Nothing stands after the `=`.
+    #[error(
+        "nothing stands after `{0}=`. Write a value, as in gravity.z=-1.6; an empty text is \"\""
+    )]
+    Empty(String),
     /// The value is no value of a scene file.
-    #[error("{value} is no value: {why}. Strings stand in quotes: path=\\\"nut.obj\\\"")]
+    #[error(
+        "{value} is no value: {why}. Texts stand in quotes, and the shell takes them as they are between others: 'name=\"moon\"'"
+    )]
     NoSuchValue {
         /// What stands after `=`.
         value: String,
@@ -57,6 +66,9 @@ impl FromStr for Setting {
         let steps = steps(path);
         if steps.iter().any(String::is_empty) {
             return Err(SettingError::EmptyStep(path.to_owned()));
+        }
+        if value.trim().is_empty() {
+            return Err(SettingError::Empty(path.trim().to_owned()));
         }
         let refused = |why| SettingError::NoSuchValue { value: value.trim().to_owned(), why };
         let read = options().from_str::<Value>(value);
@@ -114,32 +126,69 @@ impl Setting {
         format!("{}={}", self.steps.join("."), self.value)
     }
 
-    /// The text with the value in its place.
+    /// The text with the value in its place, and what it then says.
     ///
     /// # Errors
     ///
-    /// A path that leads nowhere, with the place where it ends and a hint where else it may lead.
+    /// A path that leads nowhere, with the place where it ends and a hint where else it may lead;
+    /// a text that the reader refuses with the value in it.
     pub(super) fn applied(
         &self,
         text: &str,
         path: &Path,
         hint: &str,
-    ) -> Result<String, SceneError> {
+    ) -> Result<(String, SceneFile), SceneError> {
         let tokens = tokens(text);
         let mut part = Part { text, tokens: value_of_file(text, &tokens) };
+        let mut added = None;
         for (depth, step) in self.steps.iter().enumerate() {
             part = part.within_kinds();
-            part = match part.find(step) {
-                Some(found) => found,
+            match part.find(step) {
+                Some(found) => part = found,
                 None => {
-                    let (at, added) = self.addition(part, depth).map_err(|what| {
+                    let addition = self.addition(part, depth);
+                    let (at, addition) = addition.map_err(|what| {
                         located(path, text, Some(part.range()), self.problem(what + hint))
                     })?;
-                    return Ok(replaced(text, at..at, &added));
+                    added = Some(Added { depth, at, addition });
+                    break;
                 }
-            };
+            }
         }
-        Ok(replaced(text, part.range(), &self.value))
+        let changed = match &added {
+            Some(Added { at, addition, .. }) => replaced(text, *at..*at, addition),
+            None => replaced(text, part.range(), &self.value),
+        };
+        match read(&changed) {
+            Ok(scene) => Ok((changed, scene)),
+            Err(error) => {
+                let what =
+                    added.and_then(|added| self.explained_addition(&changed, &error, &added));
+                let what = what.unwrap_or_else(|| explained(&changed, &error));
+                Err(refused(&changed, path, &error, self.problem(what)))
+            }
+        }
+    }
+
+    /// Why the reader refuses fields that are not in the file, where it knows their names and has
+    /// not come to the value: what they are in is no whole without others.
+    fn explained_addition(
+        &self,
+        text: &str,
+        error: &SpannedError,
+        Added { depth, at, addition }: &Added,
+    ) -> Option<String> {
+        let inner = &self.steps[depth + 1..];
+        let of_value =
+            addition.rfind(&self.value).is_some_and(|value| at + value <= start(text, error));
+        let is_unknown = matches!(error.code, RonError::NoSuchStructField { .. });
+        if inner.is_empty() || of_value || is_unknown {
+            return None;
+        }
+        let (whole, inner) = (self.steps[..=*depth].join("."), inner.join("."));
+        Some(format!(
+            "`{whole}` is not in the file, and its `{inner}` cannot be set alone. Set all of it: {whole}=…"
+        ))
     }
 
     /// What is inserted, and where, for a step that the part does not have.
@@ -151,31 +200,31 @@ impl Setting {
         };
         let takes_fields = parts.opening != "[" && parts.list.iter().all(|(key, _)| key.is_some());
         if !takes_fields {
-            let known: Vec<String> = parts.list.iter().map(|(_, part)| part.name()).collect();
-            return Err(format!("{whole} has no `{step}`. It has {}", listed(&known)));
+            let known = parts.names();
+            let perhaps = perhaps(step, known.iter().map(String::as_str));
+            return Err(format!("{whole} has no `{step}`{perhaps}. {}", listed(&known)));
         }
         let key = if parts.opening == "{" { format!("{step:?}") } else { step.clone() };
         Ok((parts.begin, format!("{key}: {}, ", self.value_of(step, &self.steps[depth + 1..])?)))
     }
 
     /// The value of a field that is not in the text: the setting's, in the fields that lead there.
+    /// Where a name is wrong, the reader says so.
     fn value_of(&self, field: &str, inner: &[String]) -> Result<String, String> {
-        match inner {
-            [] => Ok(self.value.clone()),
-            [axis] if let Some(axis) = coordinate(axis) => {
-                let vector = default_of_vector(field).ok_or_else(|| {
-                    format!("`{field}` is not in the file, so it has no `{}`. Set all of it: {field}=(…)", inner[0])
-                })?;
+        match (inner, default_of_vector(field)) {
+            ([], _) => Ok(self.value.clone()),
+            ([step], Some(vector)) => {
                 let mut numbers = vector.to_array().map(|number| format!("{number:?}"));
-                let number = numbers.get_mut(axis);
-                *number.ok_or_else(|| format!("`{field}` has no `w`"))? = self.value.clone();
+                let number = coordinate(step).and_then(|axis| numbers.get_mut(axis));
+                *number.ok_or_else(|| format!("`{field}` has no `{step}`. It has x, y, z"))? =
+                    self.value.clone();
                 Ok(format!("({})", numbers.join(", ")))
             }
-            [next, inner @ ..] => Ok(format!("({next}: {})", self.value_of(next, inner)?)),
+            ([next, inner @ ..], _) => Ok(format!("({next}: {})", self.value_of(next, inner)?)),
         }
     }
 
-    /// An error that came with this setting.
+    /// An error that the text has with this setting, and not without.
     pub(super) fn blamed(&self, error: SceneError) -> SceneError {
         match error {
             SceneError::Invalid(mut located) => {
@@ -188,6 +237,21 @@ impl Setting {
 
     pub(super) fn problem(&self, what: String) -> SceneProblem {
         SceneProblem::Setting { setting: self.written.clone(), what }
+    }
+}
+
+impl Parts<'_> {
+    /// What its elements are called; numbers in parentheses are coordinates.
+    fn names(&self) -> Vec<String> {
+        let is_vector = self.opening == "("
+            && self.list.len() <= COORDINATES.len()
+            && self.list.iter().all(|(_, part)| {
+                part.tokens.iter().all(|token| token.string.is_none()) && part.parts().is_none()
+            });
+        match is_vector {
+            true => COORDINATES[..self.list.len()].iter().map(|&axis| axis.to_owned()).collect(),
+            false => self.list.iter().map(|(_, part)| part.name()).collect(),
+        }
     }
 }
 
@@ -212,19 +276,29 @@ fn value_of_file<'a>(text: &str, mut tokens: &'a [Token]) -> &'a [Token] {
     tokens
 }
 
+const COORDINATES: [&str; 4] = ["x", "y", "z", "w"];
+
 /// The number of a coordinate.
 fn coordinate(step: &str) -> Option<usize> {
-    ["x", "y", "z", "w"].iter().position(|&axis| axis == step)
+    COORDINATES.iter().position(|&axis| axis == step)
 }
 
 fn listed(names: &[String]) -> String {
     /// Enough to see a typing error.
     const NAMED: usize = 8;
     match names.len() {
-        0 => "no parts".to_owned(),
-        n if n > NAMED => format!("{} and {} more", names[..NAMED].join(", "), n - NAMED),
-        _ => names.join(", "),
+        0 => "It is empty".to_owned(),
+        n if n > NAMED => format!("It has {} and {} more", names[..NAMED].join(", "), n - NAMED),
+        _ => format!("It has {}", names.join(", ")),
     }
+}
+
+/// What is put into a text for a step that is not there.
+struct Added {
+    /// The number of the step.
+    depth: usize,
+    at: usize,
+    addition: String,
 }
 
 /// A value in the text, as its tokens.

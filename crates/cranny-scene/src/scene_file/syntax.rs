@@ -1,24 +1,17 @@
-//! What a scene file may say, as it says it; of bodies in `body_syntax`. [`parse`] reads it,
-//! `locate` gives errors their line and column.
+//! What a scene file may say, as it says it; of bodies in `body_syntax`. `reading` reads it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use cranny_exact::DVec3;
 use cranny_world::description::{
     Accuracy, BodyColor, BodyKind, Effect, Material, Normals, RecordDescription,
 };
-use ron::Error;
-use ron::extensions::Extensions;
 use serde::Deserialize;
 
-use super::advice::advised;
 use super::body_syntax::{
     BodyFile, KindFile, MaterialFile, MotorPathFile, NormalsFile, PoseFile, ShapeFile, all_layers,
 };
 use super::effect::EffectFile;
-use super::locate::{byte_at, field_before};
-use super::problem::{SceneError, SceneProblem, located};
 use super::values::{Axis, ColorFile, Finite, NotNegative, Positive, Vector};
 
 /// A whole file.
@@ -85,7 +78,13 @@ fn earth() -> Vector {
 
 /// What a vector is that a scene does not state, by its name; `None`: it has no default of its own.
 pub(super) fn default_of_vector(field: &str) -> Option<DVec3> {
-    (field == "gravity").then(|| earth().0)
+    match field {
+        "gravity" => Some(earth().0),
+        "at" | "linear" | "angular" | "euler_degrees" | "center" | "products" => Some(DVec3::ZERO),
+        "scale" => Some(DVec3::ONE),
+        "normal" => Some(DVec3::Z),
+        _ => None,
+    }
 }
 
 fn default_step() -> Positive {
@@ -477,23 +476,4 @@ impl TryFrom<u32> for Every {
 
 pub(super) fn effects(files: &[EffectFile]) -> Vec<Effect> {
     files.iter().map(|file| file.0).collect()
-}
-
-/// How RON is read.
-pub(super) fn options() -> ron::Options {
-    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
-    ron::Options::default().with_default_extension(extensions)
-}
-
-/// Reads the text as RON. Errors of the `ron` crate have line and column; [`located`] reports them.
-pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
-    options().from_str(text).map_err(|error| {
-        let start = byte_at(text, error.span.start.line, error.span.start.col);
-        let end = byte_at(text, error.span.end.line, error.span.end.col);
-        // What the reader says of a value does not name its field.
-        let field = field_before(text, start).filter(|_| matches!(error.code, Error::Message(_)));
-        let said = field.map_or(String::new(), |field| format!("`{field}`: "));
-        let problem = SceneProblem::Syntax(said + &advised(&error.code));
-        located(path, text, Some(start..end.max(start)), problem)
-    })
 }

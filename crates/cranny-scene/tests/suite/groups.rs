@@ -82,7 +82,7 @@ fn sensors_and_other_layers_are_not_in_the_way() {
 fn a_pile_without_room_is_refused_with_what_is_in_the_way() {
     let block = "(name: \"block\", shape: Generator(Cuboid(size: (9, 9, 7))), kind: Fixed, pose: (at: (0, 0, 3)))";
     let error = load(block, &pile(20, "")).unwrap_err().to_string();
-    for says in ["line 2", "pile \"p\"", "are clear", "20 are wanted", "In the way: \"block\""] {
+    for says in ["line 2", "pile \"p\"", "are clear", "its count is 20", "In the way: \"block\""] {
         assert!(error.contains(says), "{says}: {error}");
     }
 }

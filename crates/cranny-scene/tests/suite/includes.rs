@@ -177,7 +177,7 @@ fn settings_that_lead_into_no_included_file_are_refused_with_the_reason() {
     let late = refused("includes.1.bodies.floor.kind=Fixed");
     assert!(late.contains("is read before, since another file includes it"), "{late}");
     files.write("s.ron", "()");
-    assert!(refused("includes.0.bodies.a.kind=Fixed").contains("It includes nothing"));
+    assert!(refused("includes.0.bodies.a.kind=Fixed").contains("the scene includes no file"));
 }
 
 #[test]

@@ -21,7 +21,7 @@ const TEXTS: [(&str, MeshFormat); 6] = [
 ];
 
 #[test]
-fn a_byte_order_mark_loses_nothing_of_a_mesh() {
+fn a_text_file_loses_nothing_of_a_mesh() {
     for (text, format) in TEXTS {
         let plain = decode_mesh(text.as_bytes(), format).unwrap();
         let marked = decode_mesh(format!("\u{feff}{text}").as_bytes(), format).unwrap();
@@ -35,7 +35,7 @@ fn a_byte_order_mark_loses_nothing_of_a_mesh() {
 }
 
 #[test]
-fn a_byte_order_mark_loses_nothing_of_a_scene_or_robot() {
+fn a_text_file_loses_nothing_of_a_scene_or_robot() {
     let scene = "\u{feff}(bodies: [(name: \"a\", shape: Generator(Torus(major_radius: 1)))])";
     let options = LoadOptions::default();
     let loaded = parse_scene(scene.to_owned(), "s.ron".as_ref(), &options).unwrap();

@@ -214,7 +214,7 @@ fn broken_robots_say_what_is_wrong() {
                 joint("j", "fixed", "a", "b", ""),
                 joint("k", "fixed", "b", "a", "")
             )),
-            "form a cycle",
+            "joint \"j\": the joints \"j\", \"k\" lead in a circle",
         ),
         (
             urdf(&format!(
@@ -444,6 +444,9 @@ fn an_open_mesh_without_a_mass_weighs_like_its_box_and_is_named() {
 #[test]
 fn what_is_harmless_is_mended_and_said() {
     let files = Files::new();
+    let big =
+        MESH.replace(" 1 0 0", " 30 0 0").replace("0 1 0", "0 30 0").replace("0 0 1", "0 0 30");
+    std::fs::write(files.folder.path().join("pkg/big.obj"), big).unwrap();
     let links = format!("<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link>");
     let follows = joint("j", "continuous", "a", "b", "<mimic joint=\"q\"/>");
     for (text, says) in [
@@ -466,6 +469,12 @@ fn what_is_harmless_is_mended_and_said() {
         (
             urdf(&format!("<link name=\"a\">{}</link>", inertial(2.0, "", [1e-19, 0.1, 0.1]))),
             "which no body of 2 kg has",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><mesh filename=\"../big.obj\"/></geometry></collision></link>",
+            ),
+            "link \"a\" has the mesh \"../big.obj\", whose box is 52 m across. Where it is in millim",
         ),
     ] {
         let robot = files.read(&text).unwrap();
@@ -631,6 +640,23 @@ fn a_state_leaves_out_joints_with_several_values_and_says_so() {
     assert!(loaded.warnings.iter().any(|what| what.contains(says)), "{:?}", loaded.warnings);
     let silent = files.loaded(&arm(), "srdf: \"r.srdf\"").unwrap().warnings;
     assert!(!silent.iter().any(|what| what.contains("several values")), "{silent:?}");
+}
+
+#[test]
+fn robots_of_one_file_need_names() {
+    let files = Files::new();
+    // Beside the first one, which is "r": two more, the last of them without a name.
+    let thrice = |named: &str| {
+        let more = format!("), (path: \"pkg/urdf/r.urdf\", {named}), (path: \"pkg/urdf/r.urdf\"");
+        files.scene(&arm(), &more).map_err(|error| error.to_string())
+    };
+    for (named, name) in [("", "arm"), ("name: \"r\"", "r")] {
+        let error = thrice(named).err().unwrap();
+        for says in ["line 1", &format!("two robots are called {name:?}"), "name: \"second\""] {
+            assert!(error.contains(says), "{says}: {error}");
+        }
+    }
+    assert_eq!(thrice("name: \"left\"").err(), None);
 }
 
 #[test]

@@ -76,3 +76,15 @@ fn every_example_of_the_page_is_a_scene() {
         parsed.unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
 }
+
+/// With all fields that there are.
+#[test]
+fn the_error_of_the_readme_is_the_one_that_shows() {
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+    let readme = fs::read_to_string(readme).unwrap();
+    let (_, shown) = readme.split_once("error: scene file bad.ron, line 8, column 10: ").unwrap();
+    let text = "(bodies: [(name: \"nut\", shape: Generator(Torus()), velocty: ())])".to_owned();
+    let error = parse_scene(text, Path::new("bad.ron"), &LoadOptions::default()).unwrap_err();
+    let error = error.to_string();
+    assert_eq!(shown.lines().next(), error.split_once(": ").map(|(_, what)| what));
+}

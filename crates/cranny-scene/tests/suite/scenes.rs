@@ -210,6 +210,9 @@ fn errors_name_line_column_and_what_was_expected() {
             "at least 0, found -1",
         ),
         ("axis: (0, 0, 2)", "axis: (0, 0, 0)", "line 9, column", "an axis must have a length"),
+        ("gravity:", "gravty:", "line 1, column 14", "Perhaps `gravity` is meant"),
+        ("kind: Fixed", "kind: \"Fixed\"", "line 5", "without quotes: Fixed"),
+        ("kind: Fixed", "kind: \"fix\"", "line 5", "none of `Fixed`, `Kinematic`, `Dynamic`"),
         ("every: 5", "every: 0", "line 13, column", "at least 1, found 0"),
     ];
     for (from, to, place, says) in cases {
@@ -218,6 +221,22 @@ fn errors_name_line_column_and_what_was_expected() {
         assert!(text.starts_with("scene file test.ron, "), "{text}");
         assert!(text.contains(place) && text.contains(says), "{to}: {text}");
         assert_eq!(error.labels().unwrap().count(), 1);
+    }
+}
+
+/// A file that was not copied to its end.
+#[test]
+fn a_text_that_is_cut_off_names_the_bracket_that_is_open() {
+    let body = "(name: \"a\", shape: Generator(Cup()))";
+    for (text, says) in [
+        (format!("(\n bodies: [{body},\n {body}"), "the `[` of line 2, column 10 is closed"),
+        (format!("(\n bodies: [{body}], "), "the `(` of line 1, column 1 is closed"),
+        (format!("(\n bodies: [{body}], // )"), "the `(` of line 1, column 1 is closed"),
+        ("(robots: [(path: \"a\", positions: {".to_owned(), "the `{` of line 1, column 34"),
+        ("(\n name: \"a".to_owned(), "line 2, column 8: Expected end of string. The text that"),
+    ] {
+        let error = parse(&text).unwrap_err().to_string();
+        assert!(error.contains(says), "{text}: {error}");
     }
 }
 
@@ -327,7 +346,7 @@ fn what_only_shows_in_the_whole_is_placed_too() {
             "line 7, column 22",
             "min must lie below its max",
         ),
-        ("count: 3", "count: 30000000", "line 7, column 22", "its region holds"),
+        ("count: 3", "count: 30000000", "line 7, column 22", "its region has room for"),
         ("[Generator(LPrism())]", "[]", "line 7, column 22", "names no shapes"),
         ("major_radius: 2", "major_radius: -2", "line 2, column 18", "Torus: major_radius is -2"),
         ("kind: Dynamic,", "kind: Fixed,", "line 2, column 18", "is Fixed but has a velocity"),
@@ -379,7 +398,7 @@ fn joints_that_are_wrong_are_refused_with_their_place() {
     for (joint, says) in [
         ("kind: Rope(length: 0)", "`length`: expected a finite number greater than 0, found 0"),
         ("kind: Spring(length: 1, stiffness: 0)", "`stiffness`: expected a finite number greater"),
-        ("kind: Spring(length: 1)", "missing"),
+        ("kind: Spring(length: 1)", "`Spring` lacks the field `stiffness`"),
         ("kind: Ball(), target: 0.5", "joint \"j\": a Ball joint has no position to drive"),
         ("kind: Rope(length: 3), motor: (velocity: 1)", "a Rope joint has no position to drive"),
         ("kind: Fixed(), target: 0", "a Fixed joint has no position to drive"),
@@ -541,6 +560,41 @@ fn one_factor_stands_for_three_and_a_mesh_is_recentred() {
     }
 }
 
+/// A scene may be in any unit: no warning.
+#[test]
+fn a_mesh_that_may_be_in_millimetres_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).unwrap();
+    let notes = |fields: &str| {
+        let shape = format!("Mesh(path: \"m.obj\"{fields})");
+        let text = format!("(bodies: [(name: \"a\", shape: {shape})])");
+        let loaded = parse_scene(text, &folder.path().join("s.ron"), &LoadOptions::default());
+        let loaded = loaded.unwrap();
+        assert_eq!(loaded.warnings, Vec::<String>::new());
+        loaded.notes
+    };
+    let noted = notes("");
+    assert!(noted[0].contains("m.obj: its box is 69 across") && noted[0].contains("Millimetres"));
+    for stated in [", units: Metres", ", units: Millimetres", ", scale: 0.1"] {
+        assert_eq!(notes(stated), Vec::<String>::new(), "{stated}");
+    }
+}
+
+#[test]
+fn a_mesh_without_an_area_is_refused_with_what_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    for repair in ["None", "Safe", "Full"] {
+        let text =
+            format!("(bodies: [(name: \"a\", shape: Mesh(path: \"m.obj\", repair: {repair}))])");
+        let loaded = parse_scene(text, &folder.path().join("s.ron"), &LoadOptions::default());
+        let error = loaded.unwrap_err().to_string();
+        assert!(error.contains("line 1") && error.contains("Export it again"), "{error}");
+        assert!(!error.contains("`repair"), "no repair helps: {error}");
+    }
+}
+
 #[test]
 fn a_mesh_in_another_unit_is_converted_to_metres() {
     let folder = tempfile::tempdir().unwrap();
@@ -597,6 +651,49 @@ fn a_pair_may_name_all_bodies_of_a_group() {
     assert_eq!(names, [["floor", "brick_0"], ["floor", "brick_1"], ["floor", "brick_2"]]);
     let unknown = scene("a: \"bricks\", b: \"floor\"").unwrap_err().to_string();
     assert!(unknown.contains("no body \"bricks\"") && unknown.contains("\"brick\""), "{unknown}");
+}
+
+/// Whichever comes first, and whichever of the two bodies is named first.
+#[test]
+fn a_pair_that_is_named_twice_with_contrary_wishes_is_refused_with_both() {
+    let scene = |first: &str, second: &str| {
+        let body = |name: &str, at: f64| {
+            format!("(name: \"{name}\", shape: Generator(Cuboid()), pose: (at: ({at}, 0, 0)))")
+        };
+        let bodies = [body("a", 0.0), body("b", 3.0)].join(", ");
+        let grid = "Grid(name: \"g\", count: (2, 1, 1), spacing: (3, 1, 1), pose: (at: (0, 9, 0)), shapes: [Generator(Cuboid())])";
+        let text = format!(
+            "(bodies: [{bodies}], groups: [{grid}], effects: [Trigger()],\npairs: [({first}),\n({second})])"
+        );
+        parse(&text).map(|loaded| loaded.description)
+    };
+    let apart = "a: \"a\", b: \"b\", collide: false";
+    for wish in ["effects: [Contacts(margin: 0.1)]", "accuracy: Exact", "effects: []"] {
+        let meet = format!("a: \"b\", b: \"a\", {wish}");
+        for (first, second) in [(apart, &meet[..]), (&meet, apart)] {
+            let error = scene(first, second).unwrap_err().to_string();
+            let says = "the pair \"b\" and \"a\" may meet, but the pair \"a\" and \"b\" with";
+            assert!(error.contains(says) && error.contains("line "), "{wish}: {error}");
+        }
+    }
+    let of_group = "a: \"g\", b: \"a\", collide: false";
+    let error = scene("a: \"g_1\", b: \"a\"", of_group).unwrap_err().to_string();
+    assert!(error.contains("the pair \"g\" and \"a\" with"), "{error}");
+    let [hulls, caps] =
+        ["Hulls", "Caps"].map(|level| format!("a: \"a\", b: \"b\", accuracy: {level}"));
+    let error = scene(&hulls, &caps).unwrap_err().to_string();
+    assert!(error.contains("accuracy Caps") && error.contains("has Hulls"), "{error}");
+    // The same twice, what adds up, and a group of which one is kept apart, are no contradictions.
+    assert!(scene(apart, apart).is_ok() && scene(&hulls, &hulls).is_ok());
+    let [contacts, distance] = ["Contacts(margin: 0.1)", "Proximity(within: 1)"]
+        .map(|effect| format!("a: \"a\", b: \"b\", effects: [{effect}]"));
+    assert_eq!(scene(&contacts, &distance).unwrap().pairs.len(), 2);
+    let but_one = "a: \"g_1\", b: \"a\", collide: false";
+    let all = "a: \"g\", b: \"a\", effects: [Contacts(margin: 0.1)]";
+    for (first, second) in [(all, but_one), (but_one, all)] {
+        let scene = scene(first, second).unwrap();
+        assert_eq!((scene.pairs.len(), &scene.pairs[0].a[..]), (1, "g_0"));
+    }
 }
 
 #[test]

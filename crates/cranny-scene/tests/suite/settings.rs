@@ -62,7 +62,9 @@ fn what_the_text_leaves_out_is_added() {
     let settings = [
         "gravity.z=-1.6",
         "gravity.x=0.5",
-        "bodies.nut.velocity.linear=(1, 0, 0)",
+        "bodies.nut.velocity.linear.x=1",
+        "bodies.\"a.b\".pose.at.z=3",
+        "bodies.\"a.b\".pose.euler_degrees.x=90",
         "bodies.nut.shape.minor_radius=0.25",
         "bodies.nut.material.friction=0 // none",
         "cameras=[]",
@@ -73,6 +75,8 @@ fn what_the_text_leaves_out_is_added() {
     let nut = &description.bodies[0];
     assert_eq!((nut.linear_velocity, nut.material.friction), (DVec3::X, 0.0));
     assert_eq!(nut.collision.bounds().max.z, 0.25);
+    assert_eq!(description.bodies[1].pose.translation, DVec3::new(0.0, 0.0, 3.0));
+    assert!((description.bodies[1].pose.rotation.x - 0.5f64.sqrt()).abs() < 1e-12);
     assert_eq!(description.cameras.len(), 0);
     // What ran is what a recording holds.
     let again = set(&scene.source_text, &[]).unwrap().description;
@@ -96,10 +100,27 @@ fn a_path_that_leads_nowhere_is_refused_with_what_is_there() {
         ),
         ("bodies.2.kind=Fixed", ["has no `2`", "line 4"]),
         ("step.x=1", ["`step` is 0.01, which has no `x`", "line 3, column 11"]),
-        ("bodies.nut.pose.at.w=1", ["`bodies.nut.pose.at` has no `w`. It has 0, 0, 20", "line 5"]),
-        ("bodies.nut.velocity.linear.z=1", ["`linear` is not in the file", "linear=(…)"]),
-        ("gravity.w=1", ["`gravity` has no `w`", "line 2"]),
-        ("gravitty.z=1", ["`gravitty` is not in the file", "line 2, column 1"]),
+        ("bodies.nut.pose.at.w=1", ["`bodies.nut.pose.at` has no `w`. It has x, y, z", "line 5"]),
+        ("bodies.nut.pose.at.q=1", ["`bodies.nut.pose.at` has no `q`. It has x, y, z", "line 5"]),
+        ("bodies.nutt.pose.at.z=1", ["has no `nutt`. Perhaps `nut` is meant", "line 4"]),
+        ("gravity.w=1", ["`gravity` has no `w`. It has x, y, z", "line 2"]),
+        ("gravity.q=1", ["`gravity` has no `q`. It has x, y, z", "line 2"]),
+        ("gravitty.z=1", ["`gravitty` in `Scene`", "Perhaps `gravity` is meant"]),
+        ("nope.x=1", ["`nope` in `Scene`, expected one of `version`", "or `record`"]),
+        ("bodies.nut.poze.at.z=1", ["`poze` in `Body`", "Perhaps `pose` is meant"]),
+        ("bodies.1.pose.z=1", ["`z` in `Pose`, expected one of `at`", "line 7"]),
+        (
+            "cameras.main.look_at.eye.x=1",
+            ["`cameras.main.look_at` is not in the file", "Set all of it: cameras.main.look_at=…"],
+        ),
+        (
+            "pairs.0.a=\"nut\"",
+            ["`pairs` is not in the file", "`0.a` cannot be set alone. Set all of it: pairs=…"],
+        ),
+        (
+            "bodies.1.kind=\"Fixed\"",
+            ["`kind`: a choice is written without quotes: Fixed", "line 7"],
+        ),
         ("gravitty=(0, 0, 1)", ["gravitty", "`gravity`"]),
         ("bodies.nut.colour=1", ["`colour`", "`visual`"]),
         ("step=soon", ["the setting step=soon: Expected float", "line 3, column 10"]),
@@ -114,13 +135,32 @@ fn a_path_that_leads_nowhere_is_refused_with_what_is_there() {
     }
 }
 
+/// Shown only by the whole scene, which without the setting is right.
+#[test]
+fn what_a_setting_makes_wrong_names_it() {
+    let settings = ["step=0.02", "groups.p.count=500", "seed=3"];
+    let error = set(SCENE, &settings).unwrap_err().to_string();
+    assert!(error.contains("the setting groups.p.count=500: pile \"p\": its region"), "{error}");
+    assert!(error.contains("line 9") && error.contains("its count is 500"), "{error}");
+    // What is wrong without it is no setting's fault.
+    let broken = SCENE.replace("count: 3", "count: 500");
+    let error = set(&broken, &["step=0.02"]).unwrap_err().to_string();
+    assert!(!error.contains("setting") && error.contains("its count is 500"), "{error}");
+    // Of two that only together are wrong, the later one.
+    let error = set(SCENE, &["groups.p.gap=3", "groups.p.count=9"]).unwrap_err().to_string();
+    assert!(error.contains("the setting groups.p.count=9"), "{error}");
+}
+
 #[test]
 fn what_is_no_setting_is_refused() {
     let read = |text: &str| text.parse::<Setting>().unwrap_err();
     assert_eq!(read("gravity.z"), SettingError::NoValue);
     assert!(matches!(read(".z=1"), SettingError::EmptyStep(path) if path == ".z"));
     assert!(matches!(read("=1"), SettingError::EmptyStep(_)));
-    for value in ["", "1, seed: 2", "(1, 2", "1)", "nut.obj", "\"nut.obj", "1 /* one"] {
+    for empty in ["step=", "step= "] {
+        assert_eq!(read(empty), SettingError::Empty("step".to_owned()));
+    }
+    for value in ["1, seed: 2", "(1, 2", "1)", "nut.obj", "\"nut.obj", "1 /* one"] {
         let error = read(&format!("step={value}"));
         assert!(matches!(error, SettingError::NoSuchValue { .. }), "{value}: {error}");
         assert!(error.to_string().contains("is no value"), "{error}");

@@ -30,6 +30,13 @@ const KINDS: [PoseKind; 2] = [
 
 const PIECES: &str = "parry-decomposition";
 
+/// An answer of ours.
+struct Step {
+    /// Mean.
+    us: f64,
+    method: String,
+}
+
 /// Headings and rows.
 type Table = (Vec<String>, Vec<Vec<String>>);
 
@@ -38,7 +45,7 @@ pub(super) fn paragraphs(all: &[MethodFigures]) -> Vec<String> {
     KINDS.iter().filter_map(|kind| kind.paragraph(all)).collect()
 }
 
-/// What ten times less error costs: a row for each error, from the largest to none; two columns
+/// What ten times less error costs: a row for each error, from the largest to none; three columns
 /// for each kind of poses that there are.
 pub(super) fn ladder(all: &[MethodFigures]) -> Table {
     let mut headings = vec!["error at most".to_owned()];
@@ -48,12 +55,17 @@ pub(super) fn ladder(all: &[MethodFigures]) -> Table {
     for kind in &KINDS {
         let Some(steps) = kind.steps(all) else { continue };
         let [_, place] = kind.place.split_once(' ').map_or([""; 2], |(a, b)| [a, b]);
-        headings.extend([format!("{place}: µs"), "times as long".to_owned()]);
+        headings.extend([&*format!("{place}: µs"), "by", "times as long"].map(str::to_owned));
         let mut before: Option<f64> = None;
         for (row, step) in rows.iter_mut().zip(steps) {
-            let factor = step.zip(before).map_or(String::new(), |(us, before)| factor(us / before));
-            row.extend([step.map_or("-".to_owned(), micros), factor]);
-            before = step;
+            let us = step.as_ref().map(|step| step.us);
+            let factor = us.zip(before).map_or(String::new(), |(us, before)| factor(us / before));
+            row.extend([
+                us.map_or("-".to_owned(), micros),
+                step.map_or(String::new(), |step| step.method),
+                factor,
+            ]);
+            before = us;
         }
     }
     (headings, rows)
@@ -113,7 +125,7 @@ fn in_motion(runs: &[RunFigures]) -> Option<String> {
 
 impl PoseKind {
     fn paragraph(&self, all: &[MethodFigures]) -> Option<String> {
-        let exact = self.exact(all)?;
+        let exact = self.exact(all)?.us;
         let mut sentences = vec![format!(
             "{}, an exact answer takes {} µs on average.",
             capital(self.place),
@@ -124,26 +136,37 @@ impl PoseKind {
             [("Parry's triangle mesh is", "parry-trimesh"), ("Its convex pieces are", PIECES)]
         {
             let peer = all.iter().find(|row| row.name.method == method);
-            sentences.extend(peer.and_then(|row| self.beside(name, row, exact)));
+            sentences.extend(peer.and_then(|row| self.beside(name, row, exact, self.poses(all))));
         }
         Some(sentences.join(" "))
     }
 
-    /// The least mean time of an exact answer of ours, microseconds.
-    fn exact(&self, all: &[MethodFigures]) -> Option<f64> {
-        let exact = all.iter().filter(|row| row.name.is_exact());
-        exact.filter_map(|row| (self.of)(row).mean_us).min_by(f64::total_cmp)
+    /// The quickest answer of ours that promises to be exact.
+    fn exact(&self, all: &[MethodFigures]) -> Option<Step> {
+        self.quickest(all, |row, _| row.name.is_exact())
     }
 
-    /// The least time in which ours keeps within an error.
-    fn within(&self, all: &[MethodFigures], error: f64) -> Option<f64> {
-        let panels = all.iter().filter(|row| row.name.is_ours()).map(self.of);
-        let enough = panels.filter(|panel| panel.error.is_some_and(|found| found <= error));
-        enough.filter_map(|panel| panel.mean_us).min_by(f64::total_cmp)
+    /// The quickest answer of ours that keeps within an error.
+    fn within(&self, all: &[MethodFigures], error: f64) -> Option<Step> {
+        self.quickest(all, |_, panel| panel.error.is_some_and(|found| found <= error))
     }
 
-    /// Times by the errors of the ladder, the exact one last; `None` where there are no poses.
-    fn steps(&self, all: &[MethodFigures]) -> Option<Vec<Option<f64>>> {
+    fn quickest(
+        &self,
+        all: &[MethodFigures],
+        serves: impl Fn(&MethodFigures, &Panel) -> bool,
+    ) -> Option<Step> {
+        let ours = all.iter().filter(|row| row.name.is_ours() && serves(row, (self.of)(row)));
+        let steps = ours.filter_map(|row| {
+            let method = format!("{}, {}", row.name.label(), row.name.memory);
+            Some(Step { us: (self.of)(row).mean_us?, method })
+        });
+        steps.min_by(|a, b| a.us.total_cmp(&b.us))
+    }
+
+    /// The quickest answers by the errors of the ladder, the exact one last; `None` where there are
+    /// no poses.
+    fn steps(&self, all: &[MethodFigures]) -> Option<Vec<Option<Step>>> {
         let exact = self.exact(all)?;
         let within = LADDER.map(|error| self.within(all, error));
         Some(within.into_iter().chain([Some(exact)]).collect())
@@ -151,7 +174,7 @@ impl PoseKind {
 
     /// What ten times less error costs, in a sentence.
     fn pace(&self, all: &[MethodFigures]) -> Option<String> {
-        let steps: Vec<f64> = self.steps(all)?.into_iter().flatten().collect();
+        let steps: Vec<f64> = self.steps(all)?.into_iter().flatten().map(|step| step.us).collect();
         let (first, last) = (*steps.first()?, *steps.last()?);
         if first >= 0.9 * last {
             return Some("No coarser answer of ours comes within 10 % for less.".to_owned());
@@ -168,8 +191,13 @@ impl PoseKind {
         ))
     }
 
-    /// What a peer's answers cost, and what they are worth.
-    fn beside(&self, name: &str, row: &MethodFigures, exact: f64) -> Option<String> {
+    /// How many poses there are.
+    fn poses(&self, all: &[MethodFigures]) -> usize {
+        all.iter().map(|row| (self.of)(row).poses).max().unwrap_or(0)
+    }
+
+    /// What a peer's answers cost, and what they are worth, at so many poses.
+    fn beside(&self, name: &str, row: &MethodFigures, exact: f64, poses: usize) -> Option<String> {
         let peer = (self.of)(row);
         let (us, error) = (peer.mean_us?, peer.error?);
         let off = match error <= NONE {
@@ -178,9 +206,12 @@ impl PoseKind {
         };
         let wrong = match peer.wrong {
             0 => String::new(),
-            wrong => {
-                format!(", but wrong about whether bodies meet at {wrong} of {} poses", peer.poses)
-            }
+            wrong if peer.poses < poses => format!(
+                ", but wrong about whether bodies meet at {wrong} of the {} poses of {poses} for \
+                 which there was time",
+                peer.poses
+            ),
+            wrong => format!(", but wrong about whether bodies meet at {wrong} of {poses} poses"),
         };
         Some(format!("{name} {} and {off} on average{wrong}.", pace(us / exact)))
     }
@@ -189,7 +220,7 @@ impl PoseKind {
     fn choice(&self, all: &[MethodFigures], row: &MethodFigures) -> Option<(bool, String)> {
         let peer = (self.of)(row);
         let (us, error) = (peer.mean_us?, peer.error?);
-        let exact = self.exact(all)?;
+        let exact = self.exact(all)?.us;
         let place = self.place;
         if peer.wrong as f64 > MISJUDGED * peer.poses as f64 {
             let (wrong, poses) = (peer.wrong, peer.poses);
@@ -198,7 +229,7 @@ impl PoseKind {
             );
             return Some((false, why));
         }
-        let ours = self.within(all, error.max(NONE)).unwrap_or(exact);
+        let ours = self.within(all, error.max(NONE)).map_or(exact, |step| step.us);
         let why = match (us < ours, error <= NONE) {
             (true, true) => format!("{place}: {}", pace(us / ours)),
             (true, false) => {
@@ -272,16 +303,16 @@ mod tests {
     #[test]
     fn what_a_tenth_of_the_error_costs_is_a_table_and_a_sentence() {
         let (headings, rows) = ladder(&ours());
-        assert_eq!(headings, ["error at most", "bodies are apart: µs", "times as long"]);
+        assert_eq!(headings, ["error at most", "bodies are apart: µs", "by", "times as long"]);
         let rows: Vec<String> = rows.iter().map(|row| row.join(" | ")).collect();
         assert_eq!(
             rows,
             [
-                "10 % | 1.0 | ",
-                "1 % | 3.0 | x 3.0",
-                "0.1 % | 12 | x 4.0",
-                "0.01 % | 12 | as long",
-                "exact | 12 | as long"
+                "10 % | 1.0 | boxes, cold | ",
+                "1 % | 3.0 | tree:4, cold | x 3.0",
+                "0.1 % | 12 | exact, cold | x 4.0",
+                "0.01 % | 12 | exact, cold | as long",
+                "exact | 12 | exact, cold | as long"
             ]
         );
         let [said] = &paragraphs(&ours())[..] else { panic!("one kind") };

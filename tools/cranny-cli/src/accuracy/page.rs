@@ -169,7 +169,12 @@ pub(super) fn page(
 }
 
 /// Words of the tables and drawings.
-const WORDS: [(&str, &str); 9] = [
+const WORDS: [(&str, &str); 11] = [
+    (
+        "cranny, ours",
+        "the detector that this page is about; parry is a library of collision detection, and \
+         rapier an engine of rigid bodies that uses it",
+    ),
     ("exact", "what the triangles really make, decided without tolerance"),
     (
         "boxes, hulls, caps, tree:N",
@@ -179,19 +184,34 @@ const WORDS: [(&str, &str); 9] = [
     (
         "N tests, N µs",
         "budgets of ours: the exact search, ended after so many elementary tests or microseconds; \
-         the answer is an interval",
+         the answer is an interval. The clock is read between steps of the search, and a single one \
+         may take longer",
     ),
-    ("warm, cold", "with what was kept from the pose before, and without"),
+    (
+        "warm, cold",
+        "with what was kept from the pose before, and without: keeping takes time, and pays where \
+         bodies move little between poses",
+    ),
     (
         "error",
-        "how far any length that the answer allows is from the true one, mean over the poses",
+        "how far any length that the answer allows is from the true one, mean over the poses; \
+         'none here' is of methods that do not promise to be exact",
     ),
-    ("wrong", "poses at which a method says that bodies meet which do not, or the other way round"),
+    (
+        "wrong",
+        "poses at which a method says that bodies meet which do not, or the other way round; gaps \
+         that are smaller than a small error suffice",
+    ),
     ("open", "poses at which the interval leaves open whether they meet"),
     (
         "parry-trimesh, parry-decomposition",
         "Parry's triangle mesh, and its convex pieces; rapier-trimesh and rapier-decomposition are \
          the same in rapier, and rapier-trimesh-fixed corrects normals at inner edges",
+    ),
+    (
+        "energy % gained, at end",
+        "the most that motion and height hold beyond the beginning, and what they hold at the end, \
+         in percent of what the scene can set free",
     ),
     (
         "ready, carried",
@@ -252,7 +272,8 @@ fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
         "open",
     ];
     let row = |row: &MethodFigures| {
-        let [apart, overlap] = [&row.apart, &row.overlapping].map(figures_of);
+        let of_panel = |panel| figures_of(panel, row.name.is_exact());
+        let [apart, overlap] = [&row.apart, &row.overlapping].map(of_panel);
         let memory = if row.name.is_ours() { row.name.memory } else { "" };
         let names = [row.name.label(), memory.to_owned()];
         [&names[..], &apart[..], &overlap[..]].concat()
@@ -261,11 +282,13 @@ fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
     (headings.map(str::to_owned).to_vec(), measured.map(row).collect())
 }
 
-/// Time, error, wrong verdicts and open ones.
-fn figures_of(panel: &Panel) -> [String; 4] {
+/// Time, error, wrong verdicts and open ones. A method that does not promise to be exact may show
+/// no error at these poses.
+fn figures_of(panel: &Panel, is_exact: bool) -> [String; 4] {
     let known = panel.mean_us.zip(panel.error);
     known.map_or_else(Default::default, |(us, error)| {
         let [wrong, open] = [panel.wrong, panel.open].map(|count| count.to_string());
-        [format!("{us:.2}"), percent(error), wrong, open]
+        let error = if error == 0.0 && !is_exact { "none here".to_owned() } else { percent(error) };
+        [format!("{us:.2}"), error, wrong, open]
     })
 }

@@ -69,6 +69,9 @@ Every pair of every frame is computed anew from the poses that its answer came f
 verdicts, containment, and regions with depth, area, points and curves. A pair that differs is named, and the
 exit code is 1. Contacts for a solver depend on earlier steps and are not compared.
 
+Where no frame holds a pair to compare, as without Contacts in the scene, nothing is verified: the exit code is
+1 as well, but for --render.
+
 A recording that was cut off is read as far as it is whole.
 
 Examples:

@@ -13,16 +13,17 @@ pub(crate) struct RobotArgs {
     pub(crate) urdf: PathBuf,
 
     /// List of configurations, `[{"joint": position, ...}, ...]`: a line for each is printed
-    /// instead of the description (see below)
+    /// instead of the description (see below). `-` reads them from standard input
     #[arg(long, value_name = "Q.json")]
     pub(crate) configurations: Option<PathBuf>,
 
-    /// Semantic description: pairs of links that its `disable_collisions` names are not checked
+    /// Semantic description: pairs of links that its `disable_collisions` names are not checked. A
+    /// file of another robot is refused; single links and joints that this one lacks are warned of
     #[arg(long, value_name = "ROBOT.srdf")]
     pub(crate) srdf: Option<PathBuf>,
 
     /// Checks only pairs that a group of the SRDF file moves: those with a link of the group, or
-    /// with one that hangs from its joints
+    /// with one that hangs from its joints. A group without such pairs is refused
     #[arg(long, value_name = "NAME", requires = "srdf")]
     pub(crate) group: Option<String>,
 
@@ -68,7 +69,7 @@ Links without collision geometry take no part; where no link has any, visual mes
 
 Examples:
   cranny robot panda.urdf
-  echo '[{}, {"panda_joint2": 1.2}]' > q.json
+  echo '[{}, {"panda_joint2": 1.2}]' | cranny robot panda.urdf --configurations -
   cranny robot panda.urdf --configurations q.json --srdf panda.srdf --distance
   cranny robot panda.urdf --configurations q.json --srdf panda.srdf --group hand
   cranny robot panda.urdf --configurations q.json --render panda.png --at 1"#;

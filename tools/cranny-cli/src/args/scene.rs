@@ -253,6 +253,7 @@ rapier's that fails says so in its row, and the others go on. Ctrl-C ends all af
 Columns (only those of which something is known; lengths in units of the scene, wall-clock times in
 milliseconds: on a busy machine trust medians, not means):
   ready          seconds until the first step; exact models for judging are part of it for each
+  substeps       of the solver, a step
   step           broad phase, narrow phase and solver; narrow and solver of it, on average
   contacts       points that the solver got
   carried        of the pairs that our detector answered about, those whose contacts were carried on

@@ -227,23 +227,23 @@ const HEADINGS: [[&str; 2]; 20] = [
     ["", "detector"],
     ["ready", "s"],
     ["", "steps"],
-    ["sub-", "steps"],
+    ["", "substeps"],
     ["step ms", "mean"],
-    ["", "median"],
-    ["", "p99"],
-    ["narrow", "mean"],
-    ["solver", "mean"],
+    ["step ms", "median"],
+    ["step ms", "p99"],
+    ["narrow ms", "mean"],
+    ["solver ms", "mean"],
     ["contacts", "a step"],
     ["carried", "% pairs"],
     ["deepest", "overlap"],
     ["inside", "steps"],
     ["energy %", "gained"],
-    ["", "at end"],
+    ["energy %", "at end"],
     ["bodies", "left"],
     ["moved", "farthest"],
     ["links", "kept"],
     ["screw", "turns"],
-    ["", "off helix"],
+    ["screw", "off helix"],
 ];
 
 /// Columns that a page leaves out: it has no room for numbers of steps, of substeps, and for the
@@ -255,7 +255,7 @@ pub(crate) fn columns(rows: &[RunFigures]) -> (Vec<String>, Vec<Vec<String>>) {
     let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
     let mut shown = shown(&cells);
     shown.retain(|column| !NOT_ON_PAGES.contains(column));
-    let heading = |&column: &usize| HEADINGS[column].join(" ").trim().replace("- ", "");
+    let heading = |&column: &usize| HEADINGS[column].join(" ").trim().to_owned();
     let of_row = |row: &Vec<String>| shown.iter().map(|&column| row[column].clone()).collect();
     (shown.iter().map(heading).collect(), cells.iter().map(of_row).collect())
 }

@@ -199,6 +199,10 @@ fn scenes_that_are_none() {
     refused("(\n  gravty: (0, 0, -9.81),\n)", &["line 2", "gravty", "gravity"]);
     refused(&format!("({body},\n effects: [Flying()])"), &["line 2", "Flying", "Response"]);
     refused(r#"(bodies: [(name: "m", shape: Mesh(path: "gone.obj"))])"#, &["gone.obj", "line 1"]);
+    let latin = folder.write("latin.ron", b"(\n// \xfcber\n)");
+    run(&["check", &latin])
+        .assert_refused(2, &["latin.ron", "byte 0xfc of line 2", "Save it as UTF-8"]);
+    refused("(\n bodies: [", &["line 2", "the `[` of line 2, column 10", "Close it with `]`"]);
     let missing = folder.path("missing.ron").display().to_string();
     run(&["check", &missing]).assert_refused(2, &["missing.ron", "no such file"]);
 }
@@ -260,4 +264,22 @@ fn a_full_device_under_standard_output_is_a_failure() {
     let mut command = cranny();
     command.args(["query", &cube, &cube, "--poses", &poses]).stdout(full);
     run_command(&mut command).assert_refused(1, &["standard output", "space"]);
+}
+
+/// A file that grows beyond a limit ends no command without a word, and what there is of it does
+/// not look whole.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_the_size_of_files_is_a_failure() {
+    let folder = Folder::new();
+    let body = "(name: \"cup\", shape: Generator(Cup(segments: 256)))";
+    let scene = folder.write("s.ron", format!("(bodies: [{body}], duration: 0.1)"));
+    let recording = folder.path("out.mcap");
+    let mut shell = std::process::Command::new("sh");
+    // Blocks of 512 bytes.
+    shell.args(["-c", "ulimit -f 8; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_cranny")]);
+    shell.args(["run", &scene, "--record"]).arg(&recording);
+    let outcome = run_command(shell.env_remove("RUST_LOG"));
+    outcome.assert_refused(1, &["out.mcap.partial", "File too large", "Make room"]);
+    assert!(!recording.exists());
 }

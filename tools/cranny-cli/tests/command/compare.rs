@@ -71,9 +71,12 @@ fn recycling_is_compared_where_it_is_asked_for() {
     let found = run(&[&["compare", &scene][..], &options].concat());
     assert_eq!(found.code, Some(0), "{found:?}");
     let lines: Vec<&str> = found.stdout.lines().collect();
-    assert!(lines[1].starts_with("detector") && lines[1].contains("kept"), "{found:?}");
-    assert!(lines[2].starts_with("rapier-trimesh  ") && lines[2].ends_with("1 of 1"), "{found:?}");
-    assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{found:?}");
+    assert!(lines[0].starts_with("links (") && lines[0].contains("links.ron, seed 0"), "{found:?}");
+    assert!(lines[0].ends_with("0.05 s in steps of 0.004167 s"), "{found:?}");
+    assert!(lines[3].starts_with("detector") && lines[3].contains("kept"), "{found:?}");
+    assert!(lines[4].starts_with("rapier-trimesh  ") && lines[4].ends_with("1 of 1"), "{found:?}");
+    assert!(lines[5].starts_with("rapier-trimesh, not recycled"), "{found:?}");
+    assert!(found.stdout.ends_with("--help` explains the columns\n"), "{found:?}");
     assert!(!found.stdout.contains("screw"), "nobody turns on anything: {found:?}");
 }
 

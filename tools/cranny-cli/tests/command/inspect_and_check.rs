@@ -121,7 +121,7 @@ fn bodies_that_overlap_at_the_start_are_named_with_their_depth() {
     assert_eq!(apart.len(), 2, "{apart:?}");
     let still = check("Trigger()", "");
     assert_eq!(still.len(), 1, "nothing is pushed: {still:?}");
-    assert!(still[0].starts_with("no effect asks for Response(): nothing moves 5 bodies"));
+    assert!(still[0].starts_with("no effect asks for Response(): nothing moves 5 Dynamic bodies"));
 }
 
 #[test]

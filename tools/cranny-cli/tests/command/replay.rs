@@ -27,6 +27,7 @@ fn a_recording_comes_out_the_same_to_the_bit() {
     let path = recorded(&folder);
     let line = run(&["replay", &path, "--format", "json"]).json_lines().remove(0);
     assert_eq!((&line["complete"], &line["frames"]), (&true.into(), &65.into()), "{line}");
+    assert_eq!(line["verified"], true, "{line}");
     assert!(line["same"].as_u64().unwrap() > 40 && line["unknown"] == 0, "{line}");
     assert_eq!(line["different"].as_array().unwrap().len(), 0, "{line}");
     let some = run(&["replay", &path, "--from", "0.5", "--every", "8", "--format", "json"]);
@@ -71,6 +72,24 @@ fn a_damaged_recording_is_refused_or_read_up_to_the_damage() {
 }
 
 #[test]
+fn a_replay_that_compared_nothing_has_verified_nothing() {
+    let folder = Folder::new();
+    let path = argument(&folder.path("bare.mcap"));
+    let bare = DROP.replace(", Contacts(margin: 0.01)", "");
+    let scene = folder.write("bare.ron", &bare);
+    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
+    let outcome = run(&["replay", &path]);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("the recording holds no pairs"), "{outcome:?}");
+    assert!(outcome.stdout.contains("nothing anew: no pair of 65 frames"), "{outcome:?}");
+    // Before the box is near.
+    let early = run(&["replay", &recorded(&folder), "--at", "0", "--format", "json"]);
+    assert_eq!(early.code, Some(1), "{early:?}");
+    assert!(early.stdout.contains("\"verified\":false"), "{early:?}");
+    assert!(early.stderr.contains("the frames that were chosen hold no pairs"), "{early:?}");
+}
+
+#[test]
 fn any_moment_is_drawn_in_any_view() {
     let folder = Folder::new();
     let path = recorded(&folder);
@@ -106,4 +125,6 @@ fn wrong_input_is_refused() {
         outcome.assert_refused(2, &["aside", "isometric"]);
     }
     assert_eq!(run(&["replay", &path, "--size", "0x5"]).code, Some(2));
+    let undrawn = run(&["replay", &path, "--camera", "front"]);
+    undrawn.assert_refused(2, &["--camera front", "Add --render"]);
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::harness::{Folder, run};
+use crate::harness::{Folder, cranny, run, run_command};
 
 /// A sledge on a rail (0.2 to 3 from the left post), which a second one follows at half the way on
 /// a rail of its own; a post at the end.
@@ -65,6 +65,50 @@ fn disabled_pairs_are_not_checked_and_distances_are_of_who_asks() {
     let described = run(&["robot", &urdf, "--srdf", &srdf]).stdout;
     assert!(described.contains("2 pairs of links are checked"), "{described}");
     assert!(described.contains("\"crane\", which the robot lacks"), "{described}");
+}
+
+/// A warning is there whether or not somebody sits at a terminal.
+#[test]
+fn an_srdf_that_fits_in_part_is_warned_of_and_that_of_another_robot_is_refused() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let q = folder.write("q.json", "[{}]");
+    let args = |srdf: &str, more: &[&str]| {
+        let srdf = folder.write("a.srdf", srdf);
+        run(&[&["robot", &urdf, "--configurations", &q, "--srdf", &srdf], more].concat())
+    };
+    let pair = |a: &str, b: &str| format!("<disable_collisions link1='{a}' link2='{b}'/>");
+    let of = |name: &str, inner: String| format!("<robot name='{name}'>{inner}</robot>");
+    let in_part = of("old", pair("sledge", "post") + &pair("sledge", "crane"));
+    let warned = args(&in_part, &[]);
+    assert_eq!(lines(&warned.stdout)[0]["hits"], serde_json::json!([]));
+    for says in ["is of the robot \"old\"", "the URDF of \"rails\"", "the link \"crane\", which"] {
+        assert!(warned.stderr.contains(says), "{warned:?}");
+    }
+    assert_eq!(args(&in_part, &["--quiet"]).stderr, "");
+    assert_eq!(args(&of("rails", pair("sledge", "post")), &[]).stderr, "");
+    args(ROBOT, &[]).assert_refused(2, &["a.srdf", "line 2", "URDF and no SRDF"]);
+    let unknown = pair("arm", "hand") + &pair("arm", "post");
+    args(&of("panda", unknown.clone()), &[])
+        .assert_refused(2, &["a.srdf", "\"panda\"", "of the 3 links", "\"rails\" lacks 2"]);
+    // Part of a robot has its name, and less than the whole.
+    assert!(args(&of("rails", unknown), &[]).stderr.contains("\"arm\", \"hand\", which"));
+    args(&of("rails", pair("arm", "hand")), &[]).assert_refused(2, &["lacks 2"]);
+}
+
+#[test]
+fn a_group_that_moves_nothing_against_anything_is_refused() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let srdf = "<robot name='rails'><group name='none'/><group name='empty'><link name='rail'/></group></robot>";
+    let srdf = folder.write("rails.srdf", srdf);
+    for group in ["none", "empty"] {
+        run(&["robot", &urdf, "--srdf", &srdf, "--group", group])
+            .assert_refused(2, &["rails.srdf", group, "moves no pair of links"]);
+    }
+    let bare = folder.write("bare.srdf", "<robot name='rails'/>");
+    run(&["robot", &urdf, "--srdf", &bare, "--group", "arm"])
+        .assert_refused(2, &["no group \"arm\". It has no groups"]);
 }
 
 #[test]
@@ -164,6 +208,20 @@ fn a_picture_that_cannot_be_is_refused() {
 }
 
 #[test]
+fn configurations_come_by_standard_input_as_well() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let piped = |text: &str| {
+        let input = std::fs::File::open(folder.write("q.json", text)).unwrap();
+        let args = ["robot", &urdf, "--configurations", "-"];
+        run_command(cranny().args(args).stdin(input))
+    };
+    assert_eq!(lines(&piped("[{}, {\"slide\": 2}]").stdout).len(), 2);
+    piped("[").assert_refused(2, &["standard input: ", "line 1"]);
+    piped("[{\"elbow\": 1}]").assert_refused(2, &["standard input: configuration 0", "\"elbow\""]);
+}
+
+#[test]
 fn what_is_no_robot_and_no_configuration_is_refused() {
     let folder = Folder::new();
     let urdf = robot(&folder);
@@ -173,6 +231,7 @@ fn what_is_no_robot_and_no_configuration_is_refused() {
     };
     refused("{}", &["q.json", "line 1", "list of"]);
     refused("[]", &["at least one"]);
+    refused("[{\"slide\": 1,\n\"slide\": 2}]", &["line 2", "\"slide\" is named twice"]);
     refused(r#"[{}, {"elbow": 1}]"#, &["configuration 1", "\"elbow\"", "movable joints are slide"]);
     refused(r#"[{"follow": 1}]"#, &["configuration 0", "follows joint \"slide\""]);
     refused(r#"[{"base": 1}]"#, &["is fixed"]);

@@ -1,23 +1,32 @@
 //! What a robot's SRDF file says to a scene: states, and groups in place of links and joints.
 
 use std::collections::BTreeMap;
-use std::fs;
 
 use cranny_world::description::JointPositions;
 
 use super::{Placing, listed};
-use crate::robot::{Robot, Semantics, read_semantics};
+use crate::robot::{Robot, Semantics, read_semantics, these};
 use crate::scene_file::assemble::{Assembly, GroupBodies};
 use crate::scene_file::syntax::RobotFile;
+use crate::text_file::{read_text, remedy};
 
 /// Reads the SRDF file, if one is named.
-pub(super) fn read(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<Semantics, String> {
+pub(super) fn read(
+    assembly: &mut Assembly<'_>,
+    file: &RobotFile,
+    robot: &Robot,
+    warnings: &mut Vec<String>,
+) -> Result<Semantics, String> {
     let Some(srdf) = &file.srdf else { return Ok(Semantics::default()) };
     let path = assembly.source.resolve(srdf);
-    let text = fs::read_to_string(&path).map_err(|error| error.to_string());
+    let text =
+        read_text(&path).map_err(|error| format!("cannot be read ({error}). {}", remedy(&error)));
     let semantics = text.and_then(|text| read_semantics(&text));
-    let semantics =
-        semantics.map_err(|problem| format!("SRDF file {}: {problem}", path.display()))?;
+    let fitted = semantics.and_then(|semantics| {
+        warnings.extend(semantics.misfits(robot)?);
+        Ok(semantics)
+    });
+    let semantics = fitted.map_err(|problem| format!("SRDF file {}: {problem}", path.display()))?;
     assembly.add_file(path);
     Ok(semantics)
 }
@@ -34,9 +43,8 @@ pub(super) fn positions_of_state(
         format!("it starts in the state {name:?}, but names no `srdf`. Name the file that has it")
     })?;
     let state = semantics.states.get(name).ok_or_else(|| {
-        let known: Vec<_> = semantics.states.keys().map(String::as_str).collect();
-        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        format!("{srdf} has no state {name:?}. Its states are {known}")
+        let known = these("states", semantics.states.keys().map(String::as_str));
+        format!("{srdf} has no state {name:?}. {known}")
     })?;
     if let Some(left_out) = semantics.many_valued.get(name) {
         warnings.push(format!(
