@@ -300,6 +300,12 @@ impl EffectTable {
         self.bodies.keys().copied()
     }
 
+    /// Pairs of which something is said by name.
+    pub(crate) fn named_pairs(&self) -> impl Iterator<Item = Pair> {
+        let levels = self.levels.keys();
+        self.pairs.keys().chain(levels).chain(&self.excluded).copied()
+    }
+
     /// Whether a pair may meet: its layers meet, it is not excluded, and not both are fixed.
     #[must_use]
     pub fn may_meet(&self, a: BodyId, b: BodyId) -> bool {

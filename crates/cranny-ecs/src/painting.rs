@@ -3,13 +3,15 @@
 //! Nothing here changes the run. A [`ScenePainter`] is given a [`Moment`] (poses, and what was
 //! found of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary
 //! bodies stand before moving ones, [`cameras`] where from, [`focus`] which contact shows most and
-//! the plane that shows it, [`marks`] how contacts look, [`page`] puts views beside each other.
+//! the plane that shows it, [`marks`] how contacts look, [`motion`] how bodies came to where they
+//! are, [`page`] puts views beside each other.
 
 mod cameras;
 mod coats;
 mod focus;
 mod hiding;
 mod marks;
+mod motion;
 mod page;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,6 +28,7 @@ pub use self::cameras::{CAMERA_PRESETS, DEFAULT_CAMERA, NamedCamera};
 use self::coats::Coats;
 use self::focus::Focus;
 pub use self::marks::MARKS_MAX;
+use self::motion::Trails;
 pub(crate) use self::page::panel_sizes;
 use crate::body::BodyRecord;
 use crate::error::SceneAppError;
@@ -56,6 +59,9 @@ pub enum ScenePainterView {
     XRay,
     /// The scene, bodies as wireframes.
     Wireframe,
+    /// The scene, with the way of each moving body, where it was before, and its velocity: of the
+    /// moments that were drawn or [followed](ScenePainter::follow).
+    Motion,
 }
 
 /// What is drawn.
@@ -95,6 +101,7 @@ pub struct ScenePainter {
     faded: BTreeSet<BodyId>,
     /// What the last close-up showed.
     focus: Option<Focus>,
+    trails: Trails,
     /// The greatest so far: arrows and colours keep their scale.
     impulse_max: f64,
     depth_max: f64,
@@ -127,6 +134,7 @@ impl ScenePainter {
             has_contacts: scene.all_effects().any(makes_contacts),
             faded: BTreeSet::new(),
             focus: None,
+            trails: Trails::default(),
             impulse_max: 0.0,
             depth_max: 0.0,
         })
@@ -211,12 +219,24 @@ impl ScenePainter {
             ScenePainterView::Scene => {
                 return self.picture(renderer, moment, &camera, size).map_err(failed);
             }
+            ScenePainterView::Motion => {
+                self.follow(moment.time, &moment.poses);
+                let mut list = self.unmarked(moment, &camera);
+                motion::push(&mut list, &self.trails, &self.coats, moment, &camera);
+                return self.render(renderer, &list, &camera, size).map_err(failed);
+            }
             ScenePainterView::XRay => Style::XRay,
             ScenePainterView::Wireframe => Style::Wireframe,
         };
         let mut list = self.view(moment, &camera);
         list.instances.iter_mut().for_each(|instance| instance.style = style);
         self.render(renderer, &list, &camera, size).map_err(failed)
+    }
+
+    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion): moments in
+    /// the order of time.
+    pub fn follow(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
+        self.trails.note(time, poses);
     }
 
     /// A moment as a camera sees it: bodies, contacts, stationary bodies faded where they hide.
@@ -236,16 +256,22 @@ impl ScenePainter {
     }
 
     fn view(&mut self, moment: &Moment, camera: &Camera) -> DrawList {
+        self.note_scales(moment);
+        let mut list = self.unmarked(moment, camera);
+        marks::push_contacts(&mut list, moment, &self.scales(), camera);
+        list
+    }
+
+    /// Bodies, those faded that hide what moves.
+    fn unmarked(&mut self, moment: &Moment, camera: &Camera) -> DrawList {
         let hiding = hiding::of(&self.coats, moment, camera.eye());
         self.faded.extend(hiding);
-        self.note_scales(moment);
         let mut list = self.bodies(moment);
         for (id, instance) in self.placed(moment).zip(&mut list.instances) {
             if self.faded.contains(&id) {
                 instance.style = Style::XRay;
             }
         }
-        marks::push_contacts(&mut list, moment, &self.scales(), camera);
         list
     }
 

@@ -1,7 +1,7 @@
 //! The plan of a scene, read from the schedules and the world that its plugins built: what runs, in
 //! which order, for which pairs, and what is absent.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::graph::Direction;
@@ -16,7 +16,7 @@ use crate::body::Bodies;
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
 use crate::contacts::ContactsSystems;
 use crate::continuous::ContinuousSystems;
-use crate::effects::{AskedBy, EffectKind, EffectTable};
+use crate::effects::{AskedBy, EffectKind, EffectTable, Pair};
 use crate::force_feedback::ForceFeedbackSystems;
 use crate::kinematics::KinematicsSystems;
 use crate::paths::PathSystems;
@@ -368,34 +368,89 @@ struct Asked {
     why: String,
 }
 
-/// All pairs, grouped.
+/// All pairs, grouped. Of bodies that ask for the same one pair is looked at, and each of the pairs
+/// of which something is said by name.
 fn pairs(
     table: &EffectTable,
     bodies: &Bodies,
     readers: &ContactReaders,
     exact_solver: bool,
 ) -> Vec<PlannedPairs> {
-    let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
-    let ids: Vec<BodyId> = table.bodies().collect();
-    let pairs =
-        ids.iter().enumerate().flat_map(|(i, &a)| ids[i + 1..].iter().map(move |&b| (a, b)));
-    for (a, b) in pairs {
+    let mut groups: BTreeMap<Asked, (usize, Vec<Pair>)> = BTreeMap::new();
+    let mut put = |pairs: &[Pair], count: usize| {
+        let Some(&(a, b)) = pairs.first() else { return };
         let key = group_of(table, bodies, [a, b], readers, exact_solver);
-        let (count, examples) = groups.entry(key).or_default();
-        *count += 1;
-        if examples.len() < EXAMPLES {
-            examples.push([a, b].map(|id| bodies.name(id).to_owned()));
+        let (all, examples) = groups.entry(key).or_default();
+        *all += count;
+        examples.extend(pairs);
+    };
+    let is_present = |&(a, b): &Pair| table.body(a).is_some() && table.body(b).is_some();
+    let named = table.named_pairs().chain(readers.named_pairs());
+    let named: BTreeSet<Pair> = named.filter(is_present).collect();
+    named.iter().for_each(|&pair| put(&[pair], 1));
+    let alike = alike(table, bodies);
+    let class_of: BTreeMap<BodyId, usize> = alike
+        .iter()
+        .enumerate()
+        .flat_map(|(class, ids)| ids.iter().map(move |&id| (id, class)))
+        .collect();
+    let mut named_between: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for pair in &named {
+        if let [Some(&i), Some(&j)] = [pair.0, pair.1].map(|id| class_of.get(&id)) {
+            *named_between.entry((i.min(j), i.max(j))).or_default() += 1;
+        }
+    }
+    for (i, first) in alike.iter().enumerate() {
+        for (j, second) in alike.iter().enumerate().skip(i) {
+            let unnamed = between(first, second).filter(|pair| !named.contains(pair));
+            let examples: Vec<Pair> = unnamed.take(EXAMPLES).collect();
+            let all = if i == j {
+                first.len() * (first.len() - 1) / 2
+            } else {
+                first.len() * second.len()
+            };
+            put(&examples, all - named_between.get(&(i, j)).unwrap_or(&0));
         }
     }
     let mut pairs: Vec<PlannedPairs> = groups
         .into_iter()
-        .map(|(asked, (count, examples))| {
+        .map(|(asked, (count, mut examples))| {
             let Asked { effects, fields, read_by, accuracy, detected_by, why } = asked;
+            examples.sort_unstable();
+            let names = |(a, b): Pair| [a, b].map(|id| bodies.name(id).to_owned());
+            let examples = examples.into_iter().take(EXAMPLES).map(names).collect();
             PlannedPairs { count, effects, fields, read_by, accuracy, detected_by, why, examples }
         })
         .collect();
     pairs.sort_by_key(|group| std::cmp::Reverse(group.count));
     pairs
+}
+
+/// Bodies of which the same is asked, in groups; one that asks for effects itself, which its name
+/// stands for, alone.
+fn alike(table: &EffectTable, bodies: &Bodies) -> Vec<Vec<BodyId>> {
+    let mut groups: Vec<Vec<BodyId>> = Vec::new();
+    for id in table.bodies() {
+        let is_like = |other: &BodyId| {
+            table.of_body(id).is_empty()
+                && table.body(id) == table.body(*other)
+                && is_smooth(bodies, [id; 2]) == is_smooth(bodies, [*other; 2])
+        };
+        match groups.iter_mut().find(|group| is_like(&group[0])) {
+            Some(group) => group.push(id),
+            None => groups.push(vec![id]),
+        }
+    }
+    groups
+}
+
+/// The pairs of one group with another one, or of a group in itself.
+fn between<'a>(first: &'a [BodyId], second: &'a [BodyId]) -> impl Iterator<Item = Pair> + 'a {
+    let is_same = std::ptr::eq(first, second);
+    first.iter().enumerate().flat_map(move |(i, &a)| {
+        let others = if is_same { &second[i + 1..] } else { second };
+        others.iter().map(move |&b| (a.min(b), a.max(b)))
+    })
 }
 
 /// Whether one of two bodies has other normals for the solver than its facets'.

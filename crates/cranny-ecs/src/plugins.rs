@@ -1,4 +1,6 @@
 //! The plugin group: one plugin an effect, and none for effects that nobody names.
+//!
+//! To add an effect to Cranny: CONTRIBUTING, 'An effect'.
 
 use std::num::NonZeroUsize;
 use std::time::Duration;

@@ -72,6 +72,11 @@ impl ContactReaders {
         self.of_pairs.iter().map(|(&pair, readers)| (pair, joined(readers))).collect()
     }
 
+    /// The single pairs of which something is read besides.
+    pub(crate) fn named_pairs(&self) -> impl Iterator<Item = Pair> {
+        self.of_pairs.keys().copied()
+    }
+
     /// Those that read anything of all pairs, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, ContactFields)> {
         let readers = self.of_all.iter().map(|(&name, &fields)| (name, fields));

@@ -339,19 +339,30 @@ impl Replay {
     #[cfg(feature = "render")]
     #[must_use]
     pub fn moment(&self, frame: &ReplayFrame) -> crate::painting::Moment {
-        let names: Vec<&String> = self.bodies.keys().collect();
-        let id = |name: &String| {
-            let at = names.binary_search(&name).ok()?;
-            Some(cranny_world::BodyId(at as u32))
-        };
-        let poses = frame.poses.iter().filter_map(|(name, pose)| Some((id(name)?, *pose)));
+        let id = self.ids();
         let pairs = frame.pairs.iter().filter_map(|pair| {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
             let answer = self.compute(pair)?.ok()?;
             let met = !answer.regions.is_empty();
             met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0 })
         });
-        crate::painting::Moment { time: frame.time, poses: poses.collect(), pairs: pairs.collect() }
+        let pairs = pairs.collect();
+        crate::painting::Moment { time: frame.time, poses: self.poses(frame), pairs }
+    }
+
+    /// Where bodies are in a frame, by the numbers that pictures have for them.
+    #[cfg(feature = "render")]
+    #[must_use]
+    pub fn poses(&self, frame: &ReplayFrame) -> BTreeMap<cranny_world::BodyId, Pose> {
+        let id = self.ids();
+        frame.poses.iter().filter_map(|(name, pose)| Some((id(name)?, *pose))).collect()
+    }
+
+    /// The number of a body, by its name: they are counted in the order of names.
+    #[cfg(feature = "render")]
+    fn ids(&self) -> impl Fn(&String) -> Option<cranny_world::BodyId> {
+        let names: Vec<&String> = self.bodies.keys().collect();
+        move |name| Some(cranny_world::BodyId(names.binary_search(&name).ok()? as u32))
     }
 }
 

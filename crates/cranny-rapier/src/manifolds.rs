@@ -1,4 +1,4 @@
-//! From contacts to rapier's manifolds.
+//! From contacts to rapier's manifolds: [`rebuild`], which the dispatcher calls for each pair.
 //!
 //! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
 //! normals agree share a manifold, and every other contact gets one of its own: no normal is ever

@@ -95,8 +95,7 @@ fn dispatcher_of(
 }
 
 /// Makes contacts as stiff beside a substep shorter than [`SOLVER_SUBSTEP`] as they are beside
-/// that: with rapier's own softness a peg on the floor of its hole sinks in by a fifth of its
-/// clearance.
+/// that. [`SimulationOptions`] argues it, with rapier's other settings.
 fn stiffen(parameters: &mut IntegrationParameters) {
     let substep = f64::from(parameters.dt) / parameters.num_solver_iterations as f64;
     let faster = (SOLVER_SUBSTEP / substep).max(1.0) as Real;

@@ -126,6 +126,7 @@ fn draw(
         ViewArg::Section => ScenePainterView::Section,
         ViewArg::Xray => ScenePainterView::XRay,
         ViewArg::Wireframe => ScenePainterView::Wireframe,
+        ViewArg::Motion => ScenePainterView::Motion,
     };
     let quality = args.pictures.quality.into();
     let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
@@ -133,6 +134,11 @@ fn draw(
         ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
     if let Some(name) = &args.pictures.camera {
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
+    }
+    if view == ScenePainterView::Motion {
+        let from = args.from.unwrap_or(0.0);
+        let before = replay.frames().iter().filter(|f| (from..frames[0].time).contains(&f.time));
+        before.for_each(|frame| painter.follow(frame.time, &replay.poses(frame)));
     }
     let delay = milliseconds(frames);
     let mut animation = Animation::new(delay);

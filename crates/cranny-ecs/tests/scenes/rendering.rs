@@ -139,6 +139,26 @@ fn what_stands_still_before_what_moves_lets_it_be_seen() {
     }
 }
 
+/// A guest that comes from the left leaves its way and ghosts; a run that begins anew has none.
+#[test]
+fn a_view_of_motion_shows_where_bodies_were() {
+    let Some(mut renderer) = renderer() else { return };
+    let mut scene = gate(&[]);
+    scene.cameras = vec![CameraDescription { name: "top".into(), view: CameraView::Top }];
+    let view = ScenePainterView::Motion;
+    let size = ScenePainter::camera_size(view, SIZE).unwrap();
+    let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
+    let at = |time: f64, x: f64| Moment { time, ..moment(&[2.0, x]) };
+    let mut draw = |time: f64, x: f64| painter.draw(&mut renderer, &at(time, x), view, SIZE);
+    let alone = draw(0.2, 1.0).unwrap();
+    let early = [draw(0.0, -3.0), draw(0.1, -1.0)].map(Result::unwrap);
+    let late = draw(0.2, 1.0).unwrap();
+    assert!(late.difference(&alone, 12).unwrap().differing > 0.02);
+    let again = draw(0.0, -3.0).unwrap();
+    assert_eq!(again.difference(&early[0], 0).unwrap().differing, 0.0);
+    assert!(again.difference(&early[1], 12).unwrap().differing > 0.01);
+}
+
 #[test]
 fn a_section_shows_what_two_bodies_share() {
     use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};

@@ -17,20 +17,16 @@
 //! The answer is a function of models, poses and margin: memory holds what cannot be left out, and
 //! where to begin.
 
-#[cfg(test)]
-mod approaching;
 mod coarse;
-#[cfg(test)]
-mod every_pair;
 pub(crate) mod facing;
 mod feature_pair;
 mod list;
 mod overlap;
+#[cfg(test)]
+mod tests;
 mod walls;
 mod wanted;
 mod within;
-#[cfg(test)]
-mod wrenches;
 
 use cranny_exact::Meeting;
 use cranny_geometry::{Model, PatchId};

@@ -2,7 +2,8 @@
 //!
 //! An error of syntax comes from the `ron` crate with line and column ([`byte_at`]). An error that
 //! shows only once the whole scene is known is at the value of a field ([`find`]). Both become a
-//! range of bytes, and [`line_and_column`] gives every error the line and column that it reports.
+//! range of bytes, and [`line_and_column`] gives every error the line and column that it reports
+//! (`problem` puts them into the message).
 
 use std::ops::Range;
 

@@ -62,6 +62,9 @@ pub(crate) enum ViewArg {
     Xray,
     /// The scene, bodies as wireframes.
     Wireframe,
+    /// The scene with the way of each moving body since --from or the beginning, where it was
+    /// before, and its velocity.
+    Motion,
 }
 
 const REPLAY_NOTES: &str = "\

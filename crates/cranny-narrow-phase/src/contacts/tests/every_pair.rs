@@ -4,7 +4,7 @@ use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_testkit::Rng;
 
-use super::*;
+use super::super::*;
 use crate::query::Placed;
 use crate::search::{Candidate, Kind};
 

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use super::*;
+use super::super::*;
 use crate::near::near_regions;
 use crate::query::Placed;
 use cranny_exact::{DQuat, DVec3, Pose};

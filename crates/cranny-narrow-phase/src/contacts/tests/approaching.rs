@@ -7,7 +7,7 @@ use cranny_shapes::{Comb, Cup, IsoBolt, IsoNut, LPrism, Shape, Torus};
 use cranny_testkit::Rng;
 
 use super::every_pair::{made, of_all_pairs};
-use super::*;
+use super::super::*;
 use crate::approach::Approach;
 use crate::query::{Demand, Placed, Query};
 
