@@ -50,6 +50,9 @@ pub(crate) struct FaceHit {
     pub(crate) witnesses: [(DVec3, Feature); 2],
     /// Unit, from first to second.
     pub(crate) normal: DVec3,
+    /// The same, but for features that coincide: there [`normal`](Self::normal) is against the
+    /// approach, and this one out of the first solid.
+    pub(crate) facing: DVec3,
     pub(crate) distance: f64,
 }
 
@@ -242,6 +245,7 @@ fn meeting_of(
     };
     FaceHit {
         time: moment.time,
+        facing: facing(bodies, faces, moment, nearest, normal),
         witnesses: [
             (nearest.points[0], feature(Side::First, faces.0)),
             (nearest.points[1], feature(Side::Second, faces.1)),
@@ -249,6 +253,110 @@ fn meeting_of(
         normal,
         distance,
     }
+}
+
+/// The meeting at a moment of two faces of which one is pierced by a side of the other: along the
+/// normal of the pierced one; where both are, of that along which they deepen less.
+pub(crate) fn crossing(
+    bodies: &Bodies,
+    faces: (FaceId, FaceId),
+    moment: &Moment,
+) -> Option<FaceHit> {
+    let arms = arms(bodies, faces, moment);
+    let triangles = [arms[0], arms[1].map(|arm| arm + moment.offset)];
+    let normal = |side: usize| {
+        let [a, b, c] = triangles[side];
+        (b - a).cross(c - a).try_normalize()
+    };
+    let pierced = |side: usize| {
+        let [p, q, r] = triangles[1 - side];
+        [[p, q], [q, r], [r, p]].iter().any(|ends| pierces(ends, &triangles[side]))
+    };
+    let nearest = triangle_distance(&triangles[0], &triangles[1]);
+    let by_depth = |p: &FaceHit, q: &FaceHit| {
+        deepening(bodies, faces, p).total_cmp(&deepening(bodies, faces, q))
+    };
+    let hit =
+        |facing| FaceHit { facing, distance: 0.0, ..meeting_of(bodies, faces, moment, &nearest) };
+    let out_of = |side: usize| {
+        let facing = if side == 0 { normal(0)? } else { -normal(1)? };
+        // A face of an open mesh is met from both sides.
+        let is_closed = bodies.model(Side::BOTH[side]).mass_properties().is_some();
+        let other = (!is_closed).then(|| hit(-facing));
+        [Some(hit(facing)), other].into_iter().flatten().max_by(by_depth)
+    };
+    [0, 1].into_iter().filter(|&side| pierced(side)).filter_map(out_of).min_by(by_depth)
+}
+
+/// Whether a segment passes through a triangle, to rounding.
+fn pierces([p, q]: &[DVec3; 2], [a, b, c]: &[DVec3; 3]) -> bool {
+    let normal = (*b - *a).cross(*c - *a);
+    let [from, to] = [*p, *q].map(|end| normal.dot(end - *a));
+    if from * to > 0.0 || from == to {
+        return false;
+    }
+    let at = *p + (*q - *p) * (from / (from - to));
+    [[a, b], [b, c], [c, a]]
+        .iter()
+        .all(|[from, to]| (**to - **from).cross(at - **from).dot(normal) >= 0.0)
+}
+
+/// How much deeper two faces come from where they meet until time 1, at most, along the normal that
+/// they have there.
+pub(crate) fn deepening(bodies: &Bodies, faces: (FaceId, FaceId), hit: &FaceHit) -> f64 {
+    deepening_along(bodies, faces, &bodies.at(hit.time), hit.facing)
+}
+
+fn deepening_along(
+    bodies: &Bodies,
+    faces: (FaceId, FaceId),
+    moment: &Moment,
+    facing: DVec3,
+) -> f64 {
+    let (arms, left) = (arms(bodies, faces, moment), 1.0 - moment.time);
+    let [first, second] = Side::BOTH
+        .map(|side| arms[side.index()].map(|arm| bodies.spin(side).cross(arm).dot(facing)));
+    let [fastest, slowest] =
+        [first, second.map(|v| -v)].map(|v| v.into_iter().fold(f64::MIN, f64::max));
+    // Half the acceleration of each, |turn|² r.
+    let curved: f64 = Side::BOTH
+        .map(|side| {
+            let arm = arms[side.index()].map(|arm| arm.length()).into_iter().fold(0.0, f64::max);
+            0.5 * bodies.spin(side).length_squared() * arm
+        })
+        .iter()
+        .sum();
+    left * (fastest + slowest - bodies.drift.dot(facing)) + left * left * curved
+}
+
+/// The normal by which faces are on each other's outer side: where their nearest points coincide,
+/// out of the first solid and into the second. Faces of open meshes have no outer side.
+fn facing(
+    bodies: &Bodies,
+    faces: (FaceId, FaceId),
+    moment: &Moment,
+    nearest: &Nearest,
+    normal: DVec3,
+) -> DVec3 {
+    let are_closed = Side::BOTH.iter().all(|&side| bodies.model(side).mass_properties().is_some());
+    if nearest.squared.sqrt() > bodies.rounding || !are_closed {
+        return normal;
+    }
+    let [first, second] =
+        corners(bodies, faces, moment).map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
+    let outward = first - second;
+    let has_normal = match nearest.parts {
+        [Part::Inside, _] | [_, Part::Inside] => true,
+        [Part::Edge(_), Part::Edge(_)] => normal.dot(outward) != 0.0,
+        _ => false,
+    };
+    if has_normal {
+        return if normal.dot(outward) < 0.0 { -normal } else { normal };
+    }
+    // At a corner, faces slide past each other along either.
+    let deepest = |facing: &DVec3| deepening_along(bodies, faces, moment, *facing);
+    let sides = [first, -second].into_iter().filter(|facing| *facing != DVec3::ZERO);
+    sides.min_by(|p, q| deepest(p).total_cmp(&deepest(q))).unwrap_or(normal)
 }
 
 /// The common normal of two features that coincide, turned so that the bodies approach along it.

@@ -58,6 +58,11 @@ pub struct ImpactOptions {
     /// smallest feature suits most scenes; finer costs little. Less than rounding
     /// permits (about 1e-12 of the lengths involved) is raised to that.
     pub tolerance: f64,
+    /// Where this is set, a meeting that goes on to no more than so deep until time 1 is passed over,
+    /// and the search goes on for others: what slides along a floor, or parts from it, is held by a
+    /// wall of the same body and not by the floor. Surfaces that meet at time 0 are searched then,
+    /// too; only what lies wholly within the other meets it at once.
+    pub shallow: Option<f64>,
     /// Elementary tests (pairs of boxes, pairs of faces, boxes of parameters) that may be made.
     /// Default: [`ImpactOptions::DEFAULT_BUDGET`].
     pub budget: u64,
@@ -70,7 +75,7 @@ impl ImpactOptions {
     /// The default budget.
     #[must_use]
     pub fn within(tolerance: f64) -> Self {
-        Self { tolerance, budget: Self::DEFAULT_BUDGET }
+        Self { tolerance, shallow: None, budget: Self::DEFAULT_BUDGET }
     }
 }
 
@@ -79,7 +84,8 @@ impl ImpactOptions {
 pub enum Impact {
     /// Certified: the surfaces share no point from time 0 to 1, ends included.
     None,
-    /// They meet at time 0: the surfaces share a point, or one body lies inside the other.
+    /// They meet at time 0: the surfaces share a point, or one body lies inside the other. With
+    /// [`ImpactOptions::shallow`], the latter alone.
     Initially {
         /// How the surfaces meet at time 0.
         surface: Surface,
@@ -176,7 +182,9 @@ pub fn time_of_impact(
         &Query::of(Demand::Intersects),
         &mut PairMemory::default(),
     )?;
-    if start.surface != Surface::None || start.solid {
+    let crosses = start.surface != Surface::None;
+    let counts = options.shallow.is_none() || start.contained.is_some();
+    if (crosses || start.solid) && (counts || !crosses) {
         let impact = Impact::Initially { surface: start.surface, contained: start.contained };
         return Ok((impact, ImpactCounters::default()));
     }

@@ -66,6 +66,12 @@ impl Motion {
         Self { start, pivot, turn, travel: at(&end) - at(&start) }
     }
 
+    /// The first part of it, over the whole time.
+    #[must_use]
+    pub fn part(&self, share: f64) -> Self {
+        Self { turn: share * self.turn, travel: share * self.travel, ..*self }
+    }
+
     /// Where the body is at a time, to rounding (about `1e-14 · (1 + |turn|)` of the lengths
     /// involved); at time 0 exactly `start`, its quaternion at length 1.
     #[must_use]

@@ -18,7 +18,7 @@ use cranny_narrow_phase::Witness;
 use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
-use crate::faces::{Next, settle};
+use crate::faces::{FaceHit, Next, crossing, deepening, settle};
 use crate::impact::{Hit, Impact, ImpactCounters, ImpactOptions};
 use crate::reach::boxes_apart;
 
@@ -61,6 +61,7 @@ struct Found {
 struct Search<'a> {
     bodies: &'a Bodies<'a>,
     tolerance: f64,
+    shallow: Option<f64>,
     queue: BinaryHeap<Reverse<Candidate>>,
     found: Option<Found>,
     /// Where this descent ends.
@@ -68,12 +69,14 @@ struct Search<'a> {
     counters: ImpactCounters,
 }
 
-/// Finds the first meeting of two bodies that share no point at time 0.
+/// Finds the first meeting of two bodies that share no point at time 0, or of those that do the
+/// first that is not shallow.
 pub(crate) fn search(bodies: &Bodies, options: &ImpactOptions) -> (Impact, ImpactCounters) {
     let mut search = Search {
         bodies,
         // What the arithmetic may be off is then less than the part left to it: see `faces`.
         tolerance: options.tolerance.max(16.0 * bodies.rounding),
+        shallow: options.shallow,
         queue: BinaryHeap::new(),
         found: None,
         until: 0.0,
@@ -177,12 +180,26 @@ impl Search<'_> {
         }
     }
 
+    /// Whether a meeting is too shallow to count.
+    fn passes_over(&self, faces: (FaceId, FaceId), meeting: &FaceHit) -> bool {
+        let deepest = || deepening(self.bodies, faces, meeting);
+        self.shallow.is_some_and(|depth| deepest() <= depth)
+    }
+
     /// Settles a pair of faces from a moment on.
     fn faces(&mut self, f: FaceId, g: FaceId, moment: &Moment) {
         let end = self.end();
-        match settle(self.bodies, (f, g), moment, end, self.tolerance, &mut self.counters) {
+        // Surfaces that cross are searched where shallow meetings are passed over.
+        let crosses = (moment.time == 0.0 && self.shallow.is_some())
+            .then(|| crossing(self.bodies, (f, g), moment));
+        let next = match crosses.flatten() {
+            Some(meeting) => Next::Met { lower: 0.0, meeting },
+            None => settle(self.bodies, (f, g), moment, end, self.tolerance, &mut self.counters),
+        };
+        match next {
             Next::Later(time) => self.put_off(Target::Faces(f, g), time),
             Next::Free => {}
+            Next::Met { meeting, .. } if self.passes_over((f, g), &meeting) => {}
             Next::Met { lower, meeting } => {
                 let time = meeting.time;
                 let earliest = self.found.as_ref().map_or(lower, |f| f.lower.min(lower));

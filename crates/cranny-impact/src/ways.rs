@@ -1,8 +1,9 @@
 //! Several bodies that move at once: how far each goes before any of them meets another.
 //!
-//! Of bodies that meet, each is held back to the earliest of its meetings; as that changes ways,
-//! they are held against each other again. What has not come to an end after [`ROUNDS`] stops at
-//! one common time, up to which nothing met anything, and so does what meets it then.
+//! Of bodies that meet, those are held back, to the earliest of their meetings, that would meet
+//! otherwise; as that changes ways, they are held against each other again. What has not come to an
+//! end after [`ROUNDS`] stops at one common time, up to which nothing met anything, and so does what
+//! meets it then.
 
 use std::collections::BTreeMap;
 
@@ -49,8 +50,7 @@ impl Way {
     /// The motion as far as the body goes.
     #[must_use]
     pub fn motion(&self) -> Motion {
-        let Motion { turn, travel, .. } = self.motion;
-        Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
+        self.motion.part(self.until)
     }
 }
 
@@ -71,11 +71,15 @@ pub fn shorten<B: Copy + Ord>(
     for _ in 0..=ROUNDS {
         let before = settling.ways.clone();
         for &pair in &due {
-            let Some(time) = meeting(pair, pair.map(|body| before[&body].motion())) else {
+            let motions = pair.map(|body| before[&body].motion());
+            let Some(time) = meeting(pair, motions) else {
                 continue;
             };
-            let held = pair.into_iter().filter(|&body| gives_way(body));
-            for body in held {
+            let held = match pair.map(&gives_way) {
+                [true, true] => needed(motions, time, |motions| meeting(pair, motions).is_none()),
+                gives => gives,
+            };
+            for (body, _) in pair.into_iter().zip(held).filter(|(_, is_held)| *is_held) {
                 settling.hold(body, time * before[&body].until);
             }
         }
@@ -85,6 +89,20 @@ pub fn shorten<B: Copy + Ord>(
         }
     }
     settling.settle(pairs, gives_way, meeting);
+}
+
+/// Which of two that meet has to be held at a share of its motion: the one that goes farther, or the
+/// other one, where they do not meet then; else both. A body that runs after another does not stop
+/// it.
+fn needed(motions: [Motion; 2], share: f64, are_free: impl Fn([Motion; 2]) -> bool) -> [bool; 2] {
+    let held = |k: usize| {
+        let mut motions = motions;
+        motions[k] = motions[k].part(share);
+        are_free(motions)
+    };
+    let [first, second] = motions.map(|motion| motion.travel.length());
+    let order = if first >= second { [0, 1] } else { [1, 0] };
+    order.into_iter().find(|&k| held(k)).map_or([true; 2], |k| [k == 0, k == 1])
 }
 
 /// Ways that are being shortened.
@@ -251,6 +269,19 @@ mod tests {
                     gives != [true; 2] && (stays(0) || stays(1) || gives == [false; 2]);
                 assert!(apart || is_run_into, "{places:?} {is_stiff:?} {ends:?} {i} {j}");
             }
+        }
+    }
+
+    /// One that runs after another is held, and the other goes on.
+    #[test]
+    fn who_is_pursued_goes_on() {
+        for row in [[(0.0, 2.0), (1.5, 1.0)], [(0.0, -1.0), (1.5, -2.0)]] {
+            let mut both = ways(&row);
+            shorten(&mut both, &[[0, 1]], |_| true, met);
+            let kept: Vec<f64> = both.values().map(|way| way.until).collect();
+            let pursued = if row[0].1 > 0.0 { 1 } else { 0 };
+            assert!(kept[pursued] == 1.0 && kept[1 - pursued] < 1.0, "{kept:?}");
+            assert!(ends(&both)[1] - ends(&both)[0] > 1.0 - 1e-9);
         }
     }
 

@@ -98,7 +98,7 @@ pub use rounded::{Rounded, rounded, rounded_contacts, rounded_separation};
 pub use separation::{Separation, meets, separation};
 pub use shape::BodyShape;
 pub use shape_ray::{ShapeRayHit, cast_ray_at_shape, separation_of_point};
-pub use sweep::{MovingShape, SweepError, Swept, first_meeting, last_apart};
+pub use sweep::{MovingShape, SweepError, Swept, first_meeting, last_apart, let_until};
 pub use text::UnknownPrimitive;
 
 // The example of the README must compile and run as well.

@@ -1,17 +1,15 @@
-//! When two shapes first meet as they move: certified for two meshes, to rounding for a primitive
-//! that travels straight beside a mesh. Where one of them turns, and for two primitives, by steps
-//! that are too short to meet within, each as long as the distance allows.
+//! When two shapes first meet as they move: certified for two meshes; of primitives by steps that
+//! are too short to meet within, each as long as the distance allows.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_narrow_phase::{Answer, Demand, Normals, PairMemory, Query};
 use thiserror::Error;
 
 use crate::between::{PlacedShape, ShapeQueryError, query_shapes};
-use crate::cast::{PrimitiveCast, PrimitiveCastOptions, cast_primitive};
-use crate::primitive::{Ball, Checked, Primitive, PrimitiveError};
-use crate::separation::{Separation, separation};
+use crate::primitive::{Ball, Checked, HalfSpace, Primitive, PrimitiveError};
+use crate::separation::{Found, found};
 use crate::shape::BodyShape;
 use crate::turning_cast::{TurningCast, turning_along};
 
@@ -70,6 +68,7 @@ pub enum SweepError {
 
 /// When two shapes first meet. Surfaces that are as near as `options.tolerance`, in units of
 /// length, may count as meeting; shapes that are apart at the beginning are not met then.
+/// [`ImpactOptions::shallow`] holds for primitives as for meshes.
 ///
 /// # Errors
 ///
@@ -87,21 +86,27 @@ pub fn first_meeting(
             Ok(certified(a, b, options)?)
         }
         (BodyShape::Model(model), BodyShape::Primitive(primitive)) => {
-            beside(model, a.motion, primitive, b.motion, options.tolerance)
+            beside(model, a.motion, primitive, b.motion, options)
         }
         (BodyShape::Primitive(primitive), BodyShape::Model(model)) => {
-            let found = beside(model, b.motion, primitive, a.motion, options.tolerance)?;
+            let found = beside(model, b.motion, primitive, a.motion, options)?;
             Ok(with_primitive_first(found))
         }
-        (BodyShape::Primitive(_), BodyShape::Primitive(_)) => advanced(a, b, options.tolerance),
+        (BodyShape::Primitive(_), BodyShape::Primitive(_)) => advanced(a, b, options),
     }
 }
 
-/// The last share of two motions, from 0 to 1, at which shapes are still apart, in the numbers in
-/// which poses are stored, before they first meet; 0 where they cannot move. It is before their
-/// meeting by about `options.tolerance`. `None` where they do not meet, where they touch or overlap
-/// at the beginning, and for numbers that are refused: those are reported by whoever detects the
-/// pair.
+/// The share of two motions, from 0 to 1, up to which shapes are let: before their first meeting by
+/// about `options.tolerance`. `None` where they do not meet, where one begins within the other, and
+/// for numbers that are refused: those are reported by whoever detects the pair.
+#[must_use]
+pub fn let_until(ends: [MovingShape<'_>; 2], options: &ImpactOptions) -> Option<f64> {
+    let time = meeting_time(ends, options)?;
+    Some((time - back(ends, options)).max(0.0))
+}
+
+/// The same, of shapes that are to stay apart in the numbers in which their poses are stored; 0
+/// where they cannot move. Those that touch at the beginning are let as [`let_until`] lets them.
 pub fn last_apart(
     ends: [MovingShape<'_>; 2],
     options: &ImpactOptions,
@@ -114,14 +119,16 @@ pub fn last_apart(
         let answer = query_shapes(a, b, &verdict, &mut PairMemory::default());
         answer.is_ok_and(|answer| !answer.touches())
     };
-    let time = match first_meeting(ends[0], ends[1], options).ok()? {
-        Swept::Initially => return None,
-        Swept::Free if are_apart(1.0) => return None,
-        Swept::Free => 1.0,
-        Swept::Hit { time, .. } => time,
-        Swept::Open { free_before } => free_before,
+    let time = meeting_time(ends, options);
+    if !are_apart(0.0) {
+        return Some((time? - back(ends, options)).max(0.0));
+    }
+    let time = match time {
+        None if are_apart(1.0) => return None,
+        None => 1.0,
+        Some(time) => time,
     };
-    let mut back = (options.tolerance / speed(&ends[0], &ends[1])).max(LEAST_BACK);
+    let mut back = back(ends, options);
     while back < time {
         if are_apart(time - back) {
             return Some(time - back);
@@ -131,13 +138,25 @@ pub fn last_apart(
     Some(0.0)
 }
 
+/// Up to when two are free, where they do not stay so.
+fn meeting_time([a, b]: [MovingShape<'_>; 2], options: &ImpactOptions) -> Option<f64> {
+    match first_meeting(a, b, options).ok()? {
+        Swept::Initially | Swept::Free => None,
+        Swept::Hit { time, .. } => Some(time),
+        Swept::Open { free_before } => Some(free_before),
+    }
+}
+
+/// The share of their ways in which two come nearer by the tolerance, at most.
+fn back([a, b]: [MovingShape<'_>; 2], options: &ImpactOptions) -> f64 {
+    (options.tolerance / speed(&a, &b)).max(LEAST_BACK)
+}
+
 /// How fast a point of one moves beside the other, at most.
 fn speed(a: &MovingShape<'_>, b: &MovingShape<'_>) -> f64 {
-    let turning = |moving: &MovingShape<'_>| match moving.motion.turn.length() {
-        0.0 => 0.0,
-        angle => angle * moving.shape.radius_about(moving.motion.pivot),
-    };
-    a.motion.travel.distance(b.motion.travel) + turning(a) + turning(b)
+    let turning =
+        a.motion.turn.length() * reach_beside(a, b) + b.motion.turn.length() * reach_beside(b, a);
+    a.motion.travel.distance(b.motion.travel) + turning
 }
 
 fn certified(a: Moving<'_>, b: Moving<'_>, options: &ImpactOptions) -> Result<Swept, ImpactError> {
@@ -170,58 +189,27 @@ fn beside(
     of_model: Motion,
     primitive: &Primitive,
     own: Motion,
-    tolerance: f64,
+    options: &ImpactOptions,
 ) -> Result<Swept, SweepError> {
-    let place = of_model.start.inverse().compose(&own.start);
-    let in_model = primitive.moved(&place.world_from_body());
-    if separation(model, &in_model, 0.0)? == Separation::Meeting {
-        return Ok(Swept::Initially);
-    }
-    if [of_model, own].iter().all(|motion| motion.turn == DVec3::ZERO) {
-        return Ok(cast(model, of_model, &in_model, own.travel)?);
-    }
-    match primitive.checked()? {
-        Checked::Round(solid) => {
-            let reach = primitive.radius_about(own.pivot);
-            let solid = &solid;
-            Ok(TurningCast { model, of_model, solid, own, reach, tolerance }.first())
-        }
+    let solid = match primitive.checked()? {
+        Checked::Round(solid) => solid,
         Checked::HalfSpace(_) => {
             let shapes = [BodyShape::from(model), BodyShape::from(*primitive)];
             let [a, b] = [(&shapes[0], of_model), (&shapes[1], own)]
                 .map(|(shape, motion)| MovingShape { shape, motion });
-            advanced(a, b, tolerance)
+            return advanced(a, b, options);
         }
-    }
-}
-
-/// The same, of two that are apart at the beginning and do not turn; the primitive is given in the
-/// model's frame.
-fn cast(
-    model: &Model,
-    of_model: Motion,
-    primitive: &Primitive,
-    travel: DVec3,
-) -> Result<Swept, PrimitiveError> {
-    let world_from_model = of_model.start.world_from_body();
-    let beside = world_from_model.inverse().apply_vector(travel - of_model.travel);
-    let options = PrimitiveCastOptions { gap: 0.0, stops_at_overlap: true };
-    let hit = |time: f64, on_primitive: DVec3, normal: DVec3| Swept::Hit {
-        time,
-        point: world_from_model.apply(on_primitive) + time * of_model.travel,
-        normal: world_from_model.apply_vector(normal),
     };
-    Ok(match cast_primitive(model, primitive, beside, &options)? {
-        PrimitiveCast::Free => Swept::Free,
-        PrimitiveCast::Hit { time, on_primitive, normal, .. } => hit(time, on_primitive, normal),
-        // They come nearer, and are as near as the cast tells.
-        PrimitiveCast::Initially => match separation(model, primitive, f64::INFINITY)? {
-            Separation::Apart { witnesses: [on_model, on_primitive], .. } => {
-                hit(0.0, on_primitive, (on_primitive - on_model).normalize_or_zero())
-            }
-            Separation::Meeting | Separation::Farther => Swept::Initially,
-        },
-    })
+    let place = of_model.start.inverse().compose(&own.start);
+    match found(model, &primitive.moved(&place.world_from_body()), 0.0)? {
+        Found::Inside => return Ok(Swept::Initially),
+        Found::Meeting if options.shallow.is_none() => return Ok(Swept::Initially),
+        _ => {}
+    }
+    let reach = primitive.radius_about(own.pivot);
+    let ImpactOptions { tolerance, shallow, .. } = *options;
+    let solid = &solid;
+    Ok(TurningCast { model, of_model, solid, own, reach, tolerance, shallow }.first())
 }
 
 /// The same where the primitive is the first: at their meeting they share the point.
@@ -235,25 +223,46 @@ fn with_primitive_first(found: Swept) -> Swept {
 /// Of two primitives, or of a half-space and whatever is above it: a plane across the way between
 /// the nearest points parts them. Until their distance is spent by what moves along that way,
 /// nothing is met (conservative advancement).
-fn advanced(a: MovingShape<'_>, b: MovingShape<'_>, tolerance: f64) -> Result<Swept, SweepError> {
+fn advanced(
+    a: MovingShape<'_>,
+    b: MovingShape<'_>,
+    options: &ImpactOptions,
+) -> Result<Swept, SweepError> {
     let travel = a.motion.travel - b.motion.travel;
-    let along = |way: DVec3| travel.dot(way).max(0.0) + turning(&a, way) + turning(&b, way);
+    let reaches = [reach_beside(&a, &b), reach_beside(&b, &a)];
+    let along = |way: DVec3| {
+        let turning =
+            turning_along(&a.motion, way) * reaches[0] + turning_along(&b.motion, way) * reaches[1];
+        travel.dot(way) + turning
+    };
+    let is_shallow = |way: Option<DVec3>, time: f64| {
+        let deepest = way.map(|way| (1.0 - time) * along(way));
+        deepest.zip(options.shallow).is_some_and(|(deepest, depth)| deepest <= depth)
+    };
     // Two half-spaces that move have no size to go by.
-    let mut tolerance = if tolerance.is_finite() { tolerance } else { 0.0 };
+    let mut tolerance = if options.tolerance.is_finite() { options.tolerance } else { 0.0 };
     let mut time = 0.0;
     for _ in 0..MOST_STEPS {
         let answer = at(a, b, time)?;
         if time == 0.0 {
             if answer.touches() {
-                return Ok(Swept::Initially);
+                let way = options.shallow.and_then(|_| out_of(&a, &b));
+                return Ok(match way {
+                    None => Swept::Initially,
+                    Some(_) if is_shallow(way, 0.0) => Swept::Free,
+                    Some(normal) => {
+                        Swept::Hit { time: 0.0, point: b.motion.start.translation, normal }
+                    }
+                });
             }
             // What is nearer than that already is not met by it.
             tolerance = tolerance.min(0.5 * answer.separation.lo);
         }
+        let way = normal(&answer);
         if answer.distance.unwrap_or(0.0) <= tolerance {
-            return Ok(ended(&answer, time));
+            return Ok(if is_shallow(way, time) { Swept::Free } else { ended(&answer, time) });
         }
-        let closing = normal(&answer).map_or_else(|| speed(&a, &b), along);
+        let closing = way.map_or_else(|| speed(&a, &b), |way| along(way).max(0.0));
         let step = (answer.separation.lo - 0.5 * tolerance) / closing;
         if closing == 0.0 || time + step >= 1.0 {
             return Ok(Swept::Free);
@@ -263,16 +272,44 @@ fn advanced(a: MovingShape<'_>, b: MovingShape<'_>, tolerance: f64) -> Result<Sw
     Ok(Swept::Open { free_before: time })
 }
 
+/// Out of the first of two shapes that touch or overlap at the beginning, into the second: along
+/// the normal of a half-space, or of the deepest contact.
+fn out_of(a: &MovingShape<'_>, b: &MovingShape<'_>) -> Option<DVec3> {
+    let out = |moving: &MovingShape<'_>| match moving.shape.primitive() {
+        Some(Primitive::HalfSpace(HalfSpace { normal, .. })) => {
+            Some(moving.motion.start.world_from_body().apply_vector(*normal))
+        }
+        _ => None,
+    };
+    if let Some(normal) = out(a).or_else(|| Some(-out(b)?)) {
+        return Some(normal);
+    }
+    let demand = Demand::Contacts { margin: 0.0, normals: Normals::Flat };
+    let [a, b] = [a, b].map(|end| PlacedShape { shape: end.shape, pose: end.motion.start });
+    let answer = query_shapes(a, b, &Query::of(demand), &mut PairMemory::default()).ok()?;
+    let deepest = answer.contacts.iter().min_by(|p, q| p.separation.total_cmp(&q.separation));
+    deepest.map(|contact| contact.normal)
+}
+
+/// How far points of a shape that another one may meet are from the pivot of its motion.
+fn reach_beside(moving: &MovingShape<'_>, other: &MovingShape<'_>) -> f64 {
+    if moving.motion.turn == DVec3::ZERO {
+        return 0.0;
+    }
+    let own = moving.shape.radius_about(moving.motion.pivot);
+    if own.is_finite() {
+        return own;
+    }
+    let [from, to] =
+        [moving, other].map(|end| end.motion.start.world_from_body().apply(end.motion.pivot));
+    let travel = moving.motion.travel.length() + other.motion.travel.length();
+    from.distance(to) + travel + other.shape.radius_about(other.motion.pivot)
+}
+
 /// From the nearest point of the first to that of the second, of length 1.
 fn normal(answer: &Answer) -> Option<DVec3> {
     let [p, q] = answer.witnesses?.map(|witness| witness.point);
     (q - p).try_normalize()
-}
-
-/// How far a point of a shape moves along a direction by turning, at most.
-fn turning(moving: &MovingShape<'_>, along: DVec3) -> f64 {
-    let angle = turning_along(&moving.motion, along);
-    if angle == 0.0 { 0.0 } else { angle * moving.shape.radius_about(moving.motion.pivot) }
 }
 
 fn at(a: MovingShape<'_>, b: MovingShape<'_>, time: f64) -> Result<Answer, ShapeQueryError> {

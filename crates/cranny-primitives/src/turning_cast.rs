@@ -31,6 +31,8 @@ pub(crate) struct TurningCast<'a> {
     pub(crate) reach: f64,
     /// How near surfaces are that count as meeting.
     pub(crate) tolerance: f64,
+    /// [`ImpactOptions::shallow`](cranny_impact::ImpactOptions::shallow).
+    pub(crate) shallow: Option<f64>,
 }
 
 /// What comes of a face.
@@ -50,7 +52,7 @@ struct Contact {
 }
 
 impl TurningCast<'_> {
-    /// Of two that are apart at the beginning; the model is the first.
+    /// Of two of which neither begins within the other; the model is the first.
     pub(crate) fn first(&self) -> Swept {
         let mut first: Option<Met> = None;
         each_face_on_the_way(
@@ -108,13 +110,16 @@ impl TurningCast<'_> {
                 tolerance = tolerance.min(0.5 * left);
             }
             let normal = world_from_solid.apply_vector(outward);
+            let turning = self.turning(normal, &world_from_solid)
+                + turning_along(&self.of_model, normal) * reach;
+            let closing = normal.dot(travel) + turning;
             if left <= tolerance {
+                if self.shallow.is_some_and(|depth| (1.0 - time) * closing <= depth) {
+                    return None;
+                }
                 let at = self.contact(&least, outward, &world_from_solid);
                 return Some(Met { time, at: Some(at) });
             }
-            let turning = turning_along(&self.own, normal) * self.reach
-                + turning_along(&self.of_model, normal) * reach;
-            let closing = normal.dot(travel) + turning;
             if closing <= 0.0 {
                 return None;
             }
@@ -124,6 +129,16 @@ impl TurningCast<'_> {
             }
         }
         Some(Met { time, at: None })
+    }
+
+    /// How far a point of the solid moves along a direction by turning, at most. What turns about
+    /// the solid's own axis is where it was.
+    fn turning(&self, along: DVec3, world_from_solid: &RigidMap) -> f64 {
+        let axis = world_from_solid.apply_vector(self.solid.axis());
+        let from_axis = (self.own.pivot - self.solid.middle()).cross(self.solid.axis()).length();
+        let beside = self.own.turn.cross(axis).length() * self.reach;
+        let idle = self.own.turn.length() * from_axis;
+        (turning_along(&self.own, along) * self.reach).min(beside + idle)
     }
 
     /// From the solid to the face, in the solid's frame.

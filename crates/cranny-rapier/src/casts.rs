@@ -102,7 +102,7 @@ impl<'a> Cast<'a> {
         &self,
         initial: impl FnOnce() -> InitialOverlap,
     ) -> Option<Option<ShapeCastHit>> {
-        let options = ImpactOptions { tolerance: self.tolerance(), budget: BUDGET };
+        let options = ImpactOptions { budget: BUDGET, ..ImpactOptions::within(self.tolerance()) };
         let [a, b] = [0, 1].map(|k| Moving { model: self.models[k], motion: self.motions[k] });
         Some(match time_of_impact(a, b, &options) {
             Ok((Impact::None, _)) => None,

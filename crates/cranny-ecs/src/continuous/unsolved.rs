@@ -1,6 +1,6 @@
 //! Kinematic bodies that follow their velocities: once they have moved, the way of each is held
 //! against those of the bodies around it, and whoever would have met something stays just before.
-//! What touches or overlaps another one when a step begins is not held against that one.
+//! What touches another one when a step begins parts from it or slides along, and comes no nearer.
 //!
 //! There is no solver that pushes them back, so slow ways count as fast ones do: a body that is led
 //! into a wall stands before it until it is led elsewhere, and does not slide along.
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_broad_phase::BoxIndex;
-use cranny_exact::{Aabb, Pose};
+use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_impact::{ImpactOptions, Motion, Way, shorten};
 use cranny_primitives::{BodyShape, MovingShape, last_apart};
 use cranny_world::{BodyId, world_box};
@@ -26,6 +26,10 @@ use crate::properties::AngularVelocity;
 /// How near a body is let to what it would meet, as a part of the smaller one's size. Larger: it
 /// stops visibly short; smaller: single precision does not tell the gap from none.
 const NEAR: f64 = 1e-5;
+
+/// What touches another body and comes nearer to it by no more than this share of its travel slides
+/// along. Larger: it sinks in visibly; smaller: rounded velocities hold what slides.
+const SLIDING: f64 = 1e-6;
 
 /// Where bodies are before anything moves, in each step.
 #[derive(Resource, Debug, Default)]
@@ -47,7 +51,7 @@ pub(super) fn note_starts(
 
 /// Puts bodies back to where their ways end.
 pub(super) fn hold_back(
-    mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>, &AngularVelocity)>,
+    mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>, Option<&AngularVelocity>)>,
     starts: Res<Starts>,
     time: Res<SimulatedTime>,
     records: Res<Bodies>,
@@ -63,8 +67,16 @@ pub(super) fn hold_back(
         let (Some(record), Some(&start)) = (records.get(body.id), starts.0.get(&body.id)) else {
             continue;
         };
-        let motion = Motion::between(start, pose_of(transform), record.shape.center());
-        let spin = time.step() * widened(angular.0);
+        let (end, center) = (pose_of(transform), record.shape.center());
+        // A rotation that stays has no turn, not even by rounding.
+        let motion = match start.rotation == end.rotation {
+            true => Motion {
+                pivot: center,
+                ..Motion::straight(start, end.translation - start.translation)
+            },
+            false => Motion::between(start, end, center),
+        };
+        let spin = angular.map_or(DVec3::ZERO, |angular| time.step() * widened(angular.0));
         // Two poses do not say that a body turned by more than half a turn.
         let turn = if is_kinematic && spin.length() > PI { spin } else { motion.turn };
         let way = Way::whole(Motion { turn, ..motion });
@@ -115,12 +127,16 @@ impl<'a> Traffic<'a> {
     }
 
     /// At which share of the motions two bodies come as near each other as they are let, in
-    /// `Transform`'s numbers. `None` also where they touch or overlap at the beginning.
+    /// `Transform`'s numbers. `None` also where one begins within the other.
     fn meeting(&self, pair: [BodyId; 2], motions: [Motion; 2]) -> Option<f64> {
         let shapes = pair.map(|body| self.shape(body));
         let ends = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
         let sizes = shapes.map(size);
-        let options = ImpactOptions::within(NEAR * sizes[0].min(sizes[1]));
+        let travel = motions[0].travel.distance(motions[1].travel);
+        let options = ImpactOptions {
+            shallow: Some(SLIDING * travel),
+            ..ImpactOptions::within(NEAR * sizes[0].min(sizes[1]))
+        };
         last_apart(ends, &options, |pose| pose_of(&transform_of(pose)))
     }
 }

@@ -414,3 +414,91 @@ fn who_does_not_collide_or_is_not_named_passes() {
         scene.excluded_pairs = vec![(0, 1)];
     }));
 }
+
+/// On the floor of a room that is one mesh, in touch or nearly: a cube does not pass the wall.
+#[test]
+fn what_touches_a_floor_is_held_by_the_wall_of_the_same_body() {
+    for (speed, gap) in [(2.0, 0.0), (100.0, 0.0), (1_000.0, 0.0), (100.0, 1e-5)] {
+        let room = cranny_shapes::Boxes {
+            add: vec![[[-4.0; 3], [4.0; 3]]],
+            cut: vec![[[-3.5; 3], [3.5; 3]]],
+        };
+        let room = BodyDescription {
+            collision: Arc::new(room.build().unwrap()),
+            ..cube("room", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO)
+        };
+        let at = DVec3::Z * (-3.0 + gap);
+        let guest = cube("guest", BodyKind::Kinematic, at, DVec3::X * speed);
+        let mut app = app_of(vec![room, guest]);
+        steps(&mut app, 192);
+        let x = place(&mut app, 1).translation.x;
+        // In touch to the bit it may be held at a corner that it slides over.
+        let least = if gap > 0.0 { 2.99 } else { -0.01 };
+        assert!((least..=3.0).contains(&x), "{speed}, {gap}: {x}");
+        lead(&mut app, 1, DVec3::NEG_X);
+        steps(&mut app, 64);
+        let back = place(&mut app, 1).translation.x;
+        assert!((x - 1.0 - back).abs() < 0.02, "it leaves the wall: {x}, {back}");
+    }
+}
+
+/// What touches a wall is led no deeper into it.
+#[test]
+fn what_touches_a_wall_comes_no_nearer() {
+    for is_ball in [false, true] {
+        let wall = cube("wall", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+        let guest = cube("guest", BodyKind::Kinematic, DVec3::X * -1.0, DVec3::X * 128.0);
+        let shape = is_ball.then(|| ball().into());
+        let mut app = app_of(vec![wall, BodyDescription { shape, ..guest }]);
+        steps(&mut app, 4);
+        let x = place(&mut app, 1).translation.x;
+        assert!((-1.001..-0.999).contains(&x), "{is_ball}: {x}");
+    }
+}
+
+/// A half-space at any attitude holds what comes, and nobody else.
+#[test]
+fn a_slanting_half_space_holds_nobody_who_leaves() {
+    let mut rng = Rng::new(5);
+    for round in 0..40 {
+        let rotation = rng.rotation();
+        let up = rotation * DVec3::Z;
+        let plane = HalfSpace { point: DVec3::ZERO, normal: DVec3::Z };
+        let ground = of_shape("ground", Primitive::from(plane), BodyKind::Fixed, DVec3::ZERO);
+        let pose = Pose { rotation, translation: DVec3::ZERO };
+        let guest = cube("guest", BodyKind::Kinematic, 10.0 * up, 6.4 * up);
+        let shape = (round % 2 == 0).then(|| ball().into());
+        let bodies = vec![BodyDescription { pose, ..ground }, BodyDescription { shape, ..guest }];
+        let mut app = app_of(bodies);
+        let height = |app: &mut SceneApp| {
+            DVec3::from_array(place(app, 1).translation.to_array().map(f64::from)).dot(up)
+        };
+        steps(&mut app, 10);
+        let above = height(&mut app);
+        assert!((above - 11.0).abs() < 1e-3, "{round}: {above}");
+        lead(&mut app, 1, -320.0 * up);
+        steps(&mut app, 10);
+        let above = height(&mut app);
+        assert!((0.49..0.9).contains(&above), "{round}: {above}");
+    }
+}
+
+/// One that runs after another does not stop it, and a wall without velocities is a wall.
+#[test]
+fn who_is_pursued_goes_on_and_what_has_no_velocity_holds() {
+    let front = cube("front", BodyKind::Kinematic, DVec3::ZERO, DVec3::X);
+    let behind = cube("behind", BodyKind::Kinematic, DVec3::X * -1.5, DVec3::X * 2.0);
+    let mut app = app_of(vec![front, behind]);
+    steps(&mut app, 320);
+    let [front, behind] = [0, 1].map(|id| place(&mut app, id).translation.x);
+    assert!((front - 5.0).abs() < 1e-3 && front - behind > 1.0 && front - behind < 1.1, "{behind}");
+    let mut app = empty(&[Effect::Continuous]);
+    let wall = world(&mut app).spawn((unit(), Transform::default(), RigidBody::Fixed)).id();
+    let speed = LinearVelocity(Vec3::X * 320.0);
+    let guest = (unit(), Transform::from_xyz(-6.0, 0.0, 0.0), RigidBody::Kinematic, speed);
+    let guest = world(&mut app).spawn(guest).id();
+    steps(&mut app, 1);
+    world(&mut app).entity_mut(wall).remove::<(LinearVelocity, AngularVelocity)>();
+    steps(&mut app, 4);
+    assert!(world(&mut app).get::<Transform>(guest).unwrap().translation.x < -1.0);
+}

@@ -270,7 +270,7 @@ fn a_spent_budget_leaves_what_is_certain() {
         // As far as the whole search goes.
         let (_, spent) = time_of_impact(a, b, &ImpactOptions::within(TOLERANCE)).unwrap();
         for budget in 0..spent.total() {
-            let options = ImpactOptions { tolerance: TOLERANCE, budget };
+            let options = ImpactOptions { budget, ..ImpactOptions::within(TOLERANCE) };
             match time_of_impact(a, b, &options).unwrap().0 {
                 Impact::Open { free_before } => {
                     assert!(free_before <= truth, "{free_before}");

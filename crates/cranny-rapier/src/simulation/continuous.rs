@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_impact::{ImpactOptions, Motion, Way, shorten};
-use cranny_primitives::{BodyShape, MovingShape, last_apart};
+use cranny_primitives::{BodyShape, MovingShape, let_until};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::QueryFilter;
@@ -30,6 +30,11 @@ use crate::partners::primitive;
 /// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
 /// it hovers; smaller: f32 does not tell the gap from none.
 const NEAR: f64 = 0.01;
+
+/// How deep bodies may come into each other within a step, as a part of the thinner body's
+/// thickness: the solver has the contact then, and leads them apart. Larger: it may lead them to
+/// the other side; smaller: what lands, slides and rolls is held back, and loses its speed.
+const SHALLOW: f64 = 0.05;
 
 /// The share of its way below which a body gets nowhere. Larger: what slides along a wall counts;
 /// smaller: what hangs there for many steps does not.
@@ -156,9 +161,10 @@ impl Simulation {
                 let other = BodyIndex(collider.user_data as u32);
                 let pair = [body.min(other), body.max(other)];
                 let of_pair = pair.map(|body| &ways[&body]);
+                // A half-space has no box.
                 let crosses = || {
                     let way = self.swept(other, &ways[&other]);
-                    way.is_some_and(|way| way.intersects(&swept))
+                    way.is_none_or(|way| way.intersects(&swept))
                 };
                 if other != body && self.may_pass(pair, of_pair) && crosses() {
                     pairs.push(pair);
@@ -200,7 +206,12 @@ impl Simulation {
     /// How far a point of one body moves beside another one, at most.
     fn travel_beside(&self, pair: [BodyIndex; 2], [a, b]: [Motion; 2]) -> f64 {
         let [of_a, of_b] = pair.map(|body| f64::from(self.tagged[body.0 as usize].radius));
-        (a.travel - b.travel).length() + a.turn.length() * of_a + b.turn.length() * of_b
+        // A half-space that does not turn reaches no farther by it.
+        let turned = |turn: DVec3, radius: f64| match turn.length() {
+            0.0 => 0.0,
+            turn => turn * radius,
+        };
+        (a.travel - b.travel).length() + turned(a.turn, of_a) + turned(b.turn, of_b)
     }
 
     /// Whether two bodies meet at all.
@@ -210,9 +221,8 @@ impl Simulation {
         first.collision_groups().test(second.collision_groups()) && hooks.responds(a, b)
     }
 
-    /// At which share of the ways that are left two bodies come as near each other as they are let,
-    /// to a factor of two and in rapier's numbers. `None` also where they touch or overlap at the
-    /// beginning.
+    /// At which share of the ways that are left two bodies come as near each other as they are let.
+    /// `None` also where one begins within the other.
     fn meeting(&self, pair: [BodyIndex; 2], motions: [Motion; 2]) -> Option<f64> {
         let shapes = [self.shape_of(pair[0])?, self.shape_of(pair[1])?];
         let ends = [0, 1].map(|k| MovingShape { shape: &shapes[k], motion: motions[k] });
@@ -220,7 +230,9 @@ impl Simulation {
             let tagged = &self.tagged[body.0 as usize];
             f64::from(tagged.thickness.min(tagged.radius))
         });
-        let options = ImpactOptions { tolerance: NEAR * sizes[0].min(sizes[1]), budget: BUDGET };
-        last_apart(ends, &options, |pose| pose_from_rapier(&pose_to_rapier(pose)))
+        let thin = sizes[0].min(sizes[1]);
+        let shallow = Some(SHALLOW * thin);
+        let options = ImpactOptions { tolerance: NEAR * thin, shallow, budget: BUDGET };
+        let_until(ends, &options)
     }
 }

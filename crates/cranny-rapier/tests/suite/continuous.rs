@@ -3,7 +3,9 @@
 use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Query};
-use cranny_primitives::{Ball, BodyShape, Capsule, Cylinder, PlacedShape, Primitive, query_shapes};
+use cranny_primitives::{
+    Ball, BodyShape, Capsule, Cylinder, HalfSpace, PlacedShape, Primitive, query_shapes,
+};
 use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, JointSpec, MassSource, Motor, Resistance, Simulation,
     SimulationOptions, StatedMass,
@@ -85,8 +87,8 @@ struct Thrown {
     behind: usize,
     /// Were still held back at the end.
     hanging: usize,
-    /// Touched the wall where they were held back.
-    touching: usize,
+    /// The deepest overlap of two meshes where one was held back, as a part of the wall's thickness.
+    deepest: f64,
 }
 
 fn throws(count: usize, continuous: bool) -> Thrown {
@@ -119,10 +121,10 @@ fn throws_at(walls: &[BodyShape], bodies: &[BodyShape], count: usize, continuous
             if simulation.held_back() > 0 {
                 let wall = PlacedShape { shape: wall, pose: Pose::IDENTITY };
                 let held = PlacedShape { shape, pose: simulation.pose(body) };
-                let ask = Query::of(Demand::Intersects);
+                let ask = Query::of(Demand::Regions { margin: 0.0 });
                 let answer = query_shapes(wall, held, &ask, &mut PairMemory::default());
-                let answer = answer.expect("poses");
-                found.touching += usize::from(answer.touches());
+                let depth = answer.expect("poses").depth() / wall.shape.thickness();
+                found.deepest = found.deepest.max(depth);
             }
         }
         // What slides beyond the wall's end passes nothing.
@@ -135,7 +137,8 @@ fn throws_at(walls: &[BodyShape], bodies: &[BodyShape], count: usize, continuous
 #[test]
 fn nothing_that_is_named_passes_or_hangs_in_a_thousand_throws() {
     let found = throws(1_000, true);
-    assert_eq!((found.behind, found.touching), (0, 0), "{found:?}");
+    assert_eq!(found.behind, 0, "{found:?}");
+    assert!(found.deepest < 0.5, "{found:?}"); // beyond, the solver may lead it to the other side
     assert!(found.hanging < 10, "{found:?}"); // 61 where nothing is braked
 }
 
@@ -443,4 +446,100 @@ fn links_of_a_tree_are_not_held_back() {
         assert!(end.length() < 1e-3, "the hinge is at {end}");
     }
     assert!(simulation.joint_position(joint).is_some());
+}
+
+/// What lands, slides and rolls is not held by the floor that it is on.
+#[test]
+fn what_is_named_slides_and_rolls_as_it_would_unnamed() {
+    let (floor, up) = (cuboid(400.0, 20.0, 0.2), DVec3::Z);
+    let ball = Ball { center: DVec3::ZERO, radius: 0.5 };
+    let wheel = cylinder(DVec3::Y, 0.2, 0.5);
+    let [cube, small] = [1.0, 0.1].map(|size| BodyShape::from(cuboid(size, size, size)));
+    let ball = BodyShape::from(Primitive::from(ball));
+    let cases = [
+        (&ball, 0.5, 20.0, 0.5),
+        (&ball, 1.5, 15.0, 0.0),
+        (&BodyShape::from(wheel), 0.5, 20.0, 0.5),
+        (&cube, 0.5, 20.0, 0.0),
+        (&small, 0.05, 1.0, 0.0),
+        (&small, 0.05, 20.0, 0.0),
+    ];
+    for (case, (shape, height, speed, friction)) in cases.into_iter().enumerate() {
+        let travelled = |named: bool| {
+            let gravity = -10.0 * up;
+            let options = SimulationOptions { gravity, ..SimulationOptions::default() };
+            let mut simulation = Simulation::new(options);
+            let ground = spec(&floor, BodyKind::Fixed, DVec3::new(190.0, 0.0, -0.1));
+            simulation.insert(&BodySpec { friction, ..ground }).unwrap();
+            let rolls = friction > 0.0;
+            let moving = BodySpec {
+                pose: Pose::at(height * up),
+                linear_velocity: DVec3::X * speed,
+                angular_velocity: if rolls { DVec3::Y * speed / 0.5 } else { DVec3::ZERO },
+                friction,
+                ..of_shape(shape, BodyKind::Dynamic)
+            };
+            let body = simulation.insert(&moving).unwrap();
+            simulation.set_continuous(body, named);
+            (0..120).for_each(|_| simulation.step());
+            simulation.pose(body).translation.x
+        };
+        let (named, unnamed) = (travelled(true), travelled(false));
+        assert!((named - unnamed).abs() < 0.02 * unnamed, "{case}: {named}, not {unnamed}");
+    }
+}
+
+/// At rest on the floor of a room that is one mesh, then kicked at its wall.
+#[test]
+fn what_stands_on_a_floor_is_held_by_the_wall_of_the_same_body() {
+    let room = Boxes {
+        add: vec![[[-4.0, -4.0, -4.0], [4.0, 4.0, 4.0]]],
+        cut: vec![[[-3.95, -3.95, -3.95], [3.95, 3.95, 3.95]]],
+    };
+    let room = built(room.build().unwrap());
+    for size in [0.3, 1.0] {
+        for speed in [100.0, 300.0, 1_000.0] {
+            let gravity = DVec3::Z * -10.0;
+            let options = SimulationOptions { gravity, ..SimulationOptions::default() };
+            let mut simulation = Simulation::new(options);
+            simulation.insert(&spec(&room, BodyKind::Fixed, DVec3::ZERO)).unwrap();
+            let at = DVec3::Z * (0.5 * size - 3.95);
+            let cube = spec(&cuboid(size, size, size), BodyKind::Dynamic, at);
+            let cube = simulation.insert(&cube).unwrap();
+            simulation.set_continuous(cube, true);
+            (0..90).for_each(|_| simulation.step());
+            simulation.set_velocity(cube, DVec3::X * speed, DVec3::ZERO);
+            for step in 0..30 {
+                simulation.step();
+                let at = simulation.pose(cube).translation;
+                assert!(at.abs().max_element() < 4.0, "{size} at {speed}, {step}: {at}");
+            }
+        }
+    }
+}
+
+/// A half-space is as thick as can be, and bodies do not sink into it.
+#[test]
+fn half_spaces_hold_what_is_named() {
+    let ball = Primitive::from(Ball { center: DVec3::ZERO, radius: 0.1 });
+    let shapes = [ball.into(), cylinder(DVec3::Z, 0.02, 0.3).into(), cuboid(0.2, 0.2, 0.2).into()];
+    for (shape, speed) in shapes.iter().zip([100.0, 400.0, 1_000.0]) {
+        let shape: &BodyShape = shape;
+        let mut simulation = world();
+        let ground = HalfSpace { point: DVec3::ZERO, normal: DVec3::Z };
+        let ground = BodyShape::from(Primitive::from(ground));
+        simulation.insert(&of_shape(&ground, BodyKind::Fixed)).unwrap();
+        let falling = BodySpec {
+            pose: Pose::at(DVec3::Z * 5.0),
+            linear_velocity: DVec3::Z * -speed,
+            ..of_shape(shape, BodyKind::Dynamic)
+        };
+        let body = simulation.insert(&falling).unwrap();
+        simulation.set_continuous(body, true);
+        for step in 0..20 {
+            simulation.step();
+            let z = simulation.pose(body).translation.z;
+            assert!(z > 0.0, "{speed}, {step}: {z}");
+        }
+    }
 }

@@ -6,8 +6,8 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_shapes::{Comb, Cup, IsoBolt, IsoNut, LPrism, Shape, Torus};
 use cranny_testkit::Rng;
 
-use super::every_pair::{made, of_all_pairs};
 use super::super::*;
+use super::every_pair::{made, of_all_pairs};
 use crate::approach::Approach;
 use crate::query::{Demand, Placed, Query};
 
