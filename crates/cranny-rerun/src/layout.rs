@@ -1,8 +1,9 @@
 //! How the viewer arranges it all: the scene above the words, plots beside.
 
+use re_sdk::blueprint::components::PanelState::Collapsed;
 use re_sdk::blueprint::{
-    Blueprint, ContainerLike, Horizontal, Spatial2DView, Spatial3DView, Tabs, TextDocumentView,
-    TextLogView, TimePanel, TimeSeriesView, Vertical,
+    Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView,
+    Spatial3DView, Tabs, TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical,
 };
 
 use crate::clock::TIME;
@@ -18,7 +19,10 @@ pub(crate) fn layout(source: &Source, groups: &Groups) -> Blueprint {
     let left = Vertical::new([tabs(scene, source), words()]).with_row_shares([3.0, 1.0]);
     let right = Vertical::new(groups.keys().map(|group| plot(group)));
     let all = Horizontal::new([left.into(), right.into()]).with_column_shares([2.0, 1.0]);
-    Blueprint::new(all).with_time_panel(TimePanel::new().with_timeline(TIME))
+    Blueprint::new(all)
+        .with_blueprint_panel(BlueprintPanel::from_state(Collapsed))
+        .with_selection_panel(SelectionPanel::from_state(Collapsed))
+        .with_time_panel(TimePanel::new().with_state(Collapsed).with_timeline(TIME))
 }
 
 /// The scene, and the pictures where there are any.

@@ -2,10 +2,12 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
+use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
 use std::time::Duration;
 
 use cranny_record::{Recording, topic};
+use re_sdk::external::re_uri::{self, RedapUri};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 
 use crate::archetypes::ViewCoordinates;
@@ -49,8 +51,7 @@ pub struct Sent {
 pub fn write(recording: &Recording, path: impl AsRef<Path>) -> Result<Written, RerunError> {
     let path = path.as_ref();
     let source = Source::of(recording)?;
-    let (stream, storage) =
-        builder(recording, &source).memory().map_err(|error| failed("the file", error))?;
+    let (stream, storage) = builder(&source).memory().map_err(|error| failed("the file", error))?;
     tell(&stream, recording, &source)?;
     let bytes = storage
         .drain_as_bytes()
@@ -68,29 +69,52 @@ pub fn write(recording: &Recording, path: impl AsRef<Path>) -> Result<Written, R
 pub fn send(recording: &Recording, url: &str) -> Result<Sent, RerunError> {
     let source = Source::of(recording)?;
     let refused = |reason: String| RerunError::Viewer { url: url.to_owned(), reason };
-    let stream =
-        builder(recording, &source).connect_grpc_opts(url).map_err(|e| refused(e.to_string()))?;
+    knock(url).map_err(refused)?;
+    let stream = builder(&source).connect_grpc_opts(url).map_err(|e| refused(e.to_string()))?;
     tell(&stream, recording, &source)?;
-    stream.flush_with_timeout(PATIENCE).map_err(|error| refused(error.to_string()))?;
+    if let Err(error) = stream.flush_with_timeout(PATIENCE) {
+        // Dropped, it would wait for its viewer for ever.
+        std::mem::forget(stream);
+        return Err(refused(error.to_string()));
+    }
     Ok(Sent { frames: source.transforms.len() })
 }
 
-fn builder(recording: &Recording, source: &Source) -> RecordingStreamBuilder {
-    let scene = recording.metadata(topic::METADATA).and_then(|said| said.get("scene"));
-    let builder = RecordingStreamBuilder::new(APPLICATION)
+/// Whether anybody listens at an address. The library itself would wait until somebody does.
+fn knock(url: &str) -> Result<(), String> {
+    let RedapUri::Proxy(viewer) = url.parse().map_err(|error: re_uri::Error| error.to_string())?
+    else {
+        return Err("its address must end in '/proxy'".to_owned());
+    };
+    let place = (viewer.origin.host.to_string(), viewer.origin.port);
+    let places = place.to_socket_addrs().map_err(|error| error.to_string())?;
+    let mut reason = "the name has no address".to_owned();
+    for place in places {
+        match TcpStream::connect_timeout(&place, PATIENCE) {
+            Ok(_) => return Ok(()),
+            Err(error) => reason = error.to_string(),
+        }
+    }
+    Err(reason)
+}
+
+fn builder(source: &Source) -> RecordingStreamBuilder {
+    RecordingStreamBuilder::new(APPLICATION)
         // An environment variable would turn it off, and an empty file be called written.
         .enabled(true)
-        .with_blueprint(layout::layout(source, &plots::groups(&source.stats)));
-    match scene {
-        Some(scene) => builder.recording_name(scene.as_str()),
-        None => builder,
-    }
+        // They hold the time at which the file is written.
+        .send_properties(false)
+        .with_blueprint(layout::layout(source, &plots::groups(&source.stats)))
 }
 
 fn tell(to: &RecordingStream, recording: &Recording, source: &Source) -> Result<(), RerunError> {
     // No clock is told.
     to.set_log_time_enabled(false);
     to.set_log_tick_enabled(false);
+    let scene = recording.metadata(topic::METADATA).and_then(|said| said.get("scene"));
+    if let Some(scene) = scene {
+        to.send_recording_name(scene.as_str()).map_err(|error| failed("the name", error))?;
+    }
     let clock = Clock::of(source);
     let stream = Stream { to, clock: &clock };
     stream.once(&re_sdk::EntityPath::root(), &ViewCoordinates::RIGHT_HAND_Z_UP())?;

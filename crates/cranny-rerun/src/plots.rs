@@ -25,13 +25,13 @@ type Count = (&'static str, &'static str, fn(&StatsMessage) -> f64);
 const COUNTS: [Count; 10] = [
     ("contacts", "contacts", |stats| stats.contacts as f64),
     ("contacts", "regions", |stats| stats.regions as f64),
-    ("contacts", "touching pairs", |stats| stats.touching_pairs as f64),
-    ("contacts", "queried pairs", |stats| stats.queried_pairs as f64),
+    ("contacts", "touching_pairs", |stats| stats.touching_pairs as f64),
+    ("contacts", "queried_pairs", |stats| stats.queried_pairs as f64),
     ("depth", "deepest", |stats| stats.deepest.as_ref().map_or(0.0, |deepest| deepest.depth)),
     ("tests", "boxes", |stats| stats.box_tests as f64),
     ("tests", "nodes", |stats| stats.node_tests as f64),
     ("tests", "triangles", |stats| stats.triangle_tests as f64),
-    ("tests", "points inside", |stats| stats.inside_tests as f64),
+    ("tests", "points_inside", |stats| stats.inside_tests as f64),
     ("tests", "estimates", |stats| stats.estimate_tests as f64),
 ];
 

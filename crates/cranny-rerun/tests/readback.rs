@@ -1,11 +1,11 @@
 //! What a recording holds is in the file, as Rerun's own decoder reads it.
 
-#[expect(dead_code, unreachable_pub, reason = "shared with the tests of recordings")]
 #[path = "../../cranny-record/tests/pendulum/mod.rs"]
 mod pendulum;
 mod rrd;
 
 use std::fs;
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 
 use cranny_exact::{DVec3, Pose};
@@ -174,6 +174,8 @@ fn numbers_words_and_pictures_are_there() {
         rrd.rows("/camera/main", &EncodedImage::descriptor_blob());
     assert_eq!((pictures.len(), &pictures[0].1[0].0[..]), (1, PNG));
     assert!(rrd.layout_chunks > 5, "{}", rrd.layout_chunks);
+    let named = |group: &str| rrd.entities().iter().filter(|e| e.starts_with(group)).count();
+    assert_eq!(["/bodies/", "/contacts/", "/plots/", "/"].map(named), [3, 3, 11, 22]);
 }
 
 /// A recording of boxes that stand still; `plan` says what happens before each of four frames.
@@ -290,6 +292,11 @@ fn what_cannot_be_written_is_named_and_leaves_nothing() {
 fn nobody_who_listens_is_named() {
     let folder = TempDir::new().unwrap();
     let recording = Recording::open(recorded(&folder)).unwrap();
-    let message = cranny_rerun::send(&recording, "nowhere").unwrap_err().to_string();
-    assert!(message.contains("nowhere") && message.contains("'rerun'"), "{message}");
+    // A port that was free a moment ago.
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let closed = format!("rerun+http://127.0.0.1:{port}/proxy");
+    for url in ["nowhere", "rerun+http://127.0.0.1:1/catalog", &closed] {
+        let message = cranny_rerun::send(&recording, url).unwrap_err().to_string();
+        assert!(message.contains(url) && message.contains("'rerun'"), "{message}");
+    }
 }

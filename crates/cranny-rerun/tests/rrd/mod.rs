@@ -52,7 +52,7 @@ impl Rrd {
         let component = descriptor.component;
         let mut rows = Vec::new();
         for chunk in self.chunks.iter().filter(|chunk| *chunk.entity_path() == entity) {
-            let times = |name: &str| -> Vec<i64> {
+            let times = |name: &'static str| -> Vec<i64> {
                 let column = chunk.timelines().get(&TimelineName::from(name));
                 column.map_or(Vec::new(), |column| column.times_raw().to_vec())
             };
