@@ -13,10 +13,7 @@ use crate::{bodies, contacts, notes, plots};
 
 /// The layout of a recording with these plots.
 pub(crate) fn layout(source: &Source, groups: &Groups) -> Blueprint {
-    let scene = Spatial3DView::new("Scene")
-        .with_origin("/")
-        .with_contents([format!("/{}/**", bodies::GROUP), format!("/{}/**", contacts::GROUP)]);
-    let left = Vertical::new([tabs(scene, source), words()]).with_row_shares([3.0, 1.0]);
+    let left = Vertical::new([tabs(source), words()]).with_row_shares([3.0, 1.0]);
     let right = Vertical::new(groups.keys().map(|group| plot(group)));
     let all = Horizontal::new([left.into(), right.into()]).with_column_shares([2.0, 1.0]);
     Blueprint::new(all)
@@ -25,10 +22,14 @@ pub(crate) fn layout(source: &Source, groups: &Groups) -> Blueprint {
         .with_time_panel(TimePanel::new().with_state(Collapsed).with_timeline(TIME))
 }
 
-/// The scene, and the pictures where there are any.
-fn tabs(scene: Spatial3DView, source: &Source) -> ContainerLike {
+/// The scene, its contacts alone, since solids hide them, and the pictures where there are any.
+fn tabs(source: &Source) -> ContainerLike {
+    let [bodies, contacts] = [bodies::GROUP, contacts::GROUP].map(|group| format!("/{group}/**"));
+    let scene =
+        Spatial3DView::new("Scene").with_origin("/").with_contents([bodies, contacts.clone()]);
+    let contacts = Spatial3DView::new("Contacts").with_origin("/").with_contents([contacts]);
     let about = TextDocumentView::new("About").with_origin(format!("/{}", notes::ABOUT));
-    let mut views: Vec<ContainerLike> = vec![scene.into(), about.into()];
+    let mut views: Vec<ContainerLike> = vec![scene.into(), contacts.into(), about.into()];
     let mut cameras: Vec<&str> = source.pictures.iter().map(|(_, p)| p.camera.as_str()).collect();
     cameras.dedup();
     for camera in cameras {

@@ -38,14 +38,15 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_enum, value_name = "VIEW", default_value = "page", requires = "render")]
     pub(crate) view: ViewArg,
 
-    /// Write all of it for Rerun's viewer, in place of computing it anew (needs the feature `rerun`)
-    #[arg(long, value_name = "OUT.rrd", conflicts_with_all = ["at", "from", "to", "render"])]
+    /// Write all of it for Rerun's viewer, in place of computing it anew (a build with
+    /// --features rerun)
+    #[arg(long, value_name = "OUT.rrd", conflicts_with_all = ["at", "from", "to", "every", "render"])]
     pub(crate) rerun: Option<PathBuf>,
 
     /// Send all of it to a viewer of Rerun's that runs, in place of computing it anew; without URL,
-    /// to the one on this machine (needs the feature `rerun`)
+    /// to the one on this machine (a build with --features rerun)
     #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = VIEWER,
-          conflicts_with_all = ["at", "from", "to", "render"])]
+          conflicts_with_all = ["at", "from", "to", "every", "render"])]
     pub(crate) rerun_connect: Option<String>,
 
     #[command(flatten)]

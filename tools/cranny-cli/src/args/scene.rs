@@ -112,11 +112,11 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = threads, default_value = "1", allow_hyphen_values = true)]
     pub(crate) threads: NonZeroUsize,
 
-    /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
+    /// Record poses, contacts and pictures, for Foxglove and Lichtblick
     #[arg(long, value_name = "OUT.mcap")]
     pub(crate) record: Option<PathBuf>,
 
-    /// Write the same for Rerun's viewer alone (needs the feature `rerun`)
+    /// Write the same for Rerun's viewer (a build with --features rerun)
     #[arg(long, value_name = "OUT.rrd")]
     pub(crate) rerun: Option<PathBuf>,
 
