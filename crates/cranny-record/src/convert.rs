@@ -22,6 +22,13 @@ pub(crate) fn pose(pose: &Pose) -> messages::Pose {
     }
 }
 
+/// `None` where it lacks a rotation or a translation.
+pub(crate) fn read_pose(pose: messages::Pose) -> Option<Pose> {
+    let (t, q) = (pose.position?, pose.orientation?);
+    let rotation = DQuat::from_xyzw(q.x, q.y, q.z, q.w);
+    Some(Pose { rotation, translation: DVec3::new(t.x, t.y, t.z) })
+}
+
 pub(crate) fn color([r, g, b, a]: [f64; 4]) -> Color {
     Color { r, g, b, a }
 }

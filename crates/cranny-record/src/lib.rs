@@ -41,6 +41,7 @@
 mod contact_marks;
 mod convert;
 mod digest;
+mod drawn;
 mod error;
 mod exact_pose;
 mod frame;
@@ -53,6 +54,7 @@ mod recover;
 pub mod topic;
 
 pub use digest::answer_digest;
+pub use drawn::{BodyChanges, DrawnBody, DrawnContact, DrawnCurve, RecordedPicture};
 pub use error::{ReadError, RecordError};
 pub use exact_pose::ExactPose;
 pub use frame::{
@@ -66,5 +68,5 @@ pub use message::{
 };
 pub use output::FRAMES_PER_CHUNK;
 pub use recorder::{LogLevel, Recorder, Summary};
-pub use recording::{DrawnBody, LogLine, PosesByName, Recording, TopicSummary};
+pub use recording::{LogLine, PosesByName, Recording, TopicSummary};
 pub use recover::{RecoverError, Recovered, recover};

@@ -5,15 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_geometry::Mesh;
 use foxglove::Decode;
-use foxglove::messages::{
-    FrameTransform, FrameTransforms, Log, SceneEntity, SceneUpdate, log::Level,
-};
+use foxglove::messages::{FrameTransform, FrameTransforms, Log, log::Level};
 use mcap::records::Record;
 use mcap::{MAGIC, McapError};
 use serde::de::DeserializeOwned;
 
+use crate::drawn::DrawnBody;
 use crate::error::ReadError;
 use crate::frame::RecordedAttachment;
 use crate::message::{ContactsMessage, EventsMessage, StatsMessage};
@@ -34,21 +32,6 @@ pub struct TopicSummary {
     pub schema: String,
     /// How many there are.
     pub messages: u64,
-}
-
-/// A body as it was recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DrawnBody {
-    /// Its name and frame.
-    pub name: String,
-    /// What is drawn of it, in its frame, to the bit.
-    pub mesh: Mesh,
-    /// Digest of the model that collides, hexadecimal; `None` where the recording does not say.
-    pub model: Option<String>,
-    /// The primitive that collides, in words; `None` where the recording does not say.
-    pub primitive: Option<String>,
-    /// `fixed`, `kinematic` or `dynamic`; `None` where the recording does not say.
-    pub kind: Option<String>,
 }
 
 /// An opened recording. The file is held in memory as filed (compressed).
@@ -94,6 +77,12 @@ impl Recording {
         recording.list(&bytes);
         recording.bytes = bytes;
         Ok(recording)
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether the file was finished. If not, what follows its last whole chunk is lost.
@@ -152,11 +141,8 @@ impl Recording {
     ///
     /// [`ReadError::Message`] for a message that cannot be decoded or holds no mesh.
     pub fn bodies(&self) -> Result<Vec<DrawnBody>, ReadError> {
-        let updates = self.messages(topic::BODIES, |data| {
-            let update = SceneUpdate::decode(data).map_err(|e| e.to_string())?;
-            update.entities.into_iter().map(drawn_body).collect::<Result<Vec<_>, String>>()
-        })?;
-        Ok(updates.into_iter().flat_map(|(_, bodies)| bodies).collect())
+        let changes = self.body_changes()?;
+        Ok(changes.into_iter().flat_map(|(_, changes)| changes.came).collect())
     }
 
     /// Log times (nanoseconds) and what was found about pairs, frame by frame; poses to the bit.
@@ -239,7 +225,7 @@ impl Recording {
     }
 
     /// Decodes all messages of a topic.
-    fn messages<T>(
+    pub(crate) fn messages<T>(
         &self,
         topic: &str,
         decode: impl Fn(&[u8]) -> Result<T, String>,
@@ -271,21 +257,6 @@ impl Recording {
 
 fn from_json<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {
     serde_json::from_slice(data).map_err(|e| e.to_string())
-}
-
-fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
-    let name = entity.id;
-    let [triangles] = <[_; 1]>::try_from(entity.triangles)
-        .map_err(|all| format!("body '{name}' has {} meshes in place of one", all.len()))?;
-    let vertices = triangles.points.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
-    let faces = triangles.indices.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect();
-    let mesh = Mesh::new(vertices, faces).map_err(|e| format!("body '{name}': {e}"))?;
-    let fact = |key: &str| {
-        let found = entity.metadata.iter().find(|pair| pair.key == key);
-        found.map(|pair| pair.value.clone())
-    };
-    let (model, primitive) = (fact(topic::MODEL_KEY), fact(topic::PRIMITIVE_KEY));
-    Ok(DrawnBody { name, mesh, model, primitive, kind: fact(topic::KIND_KEY) })
 }
 
 fn named_pose(transform: FrameTransform) -> Result<(String, Pose), String> {

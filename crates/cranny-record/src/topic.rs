@@ -19,10 +19,13 @@ pub const STATS: &str = "/stats";
 /// `foxglove.Log`.
 pub const LOG: &str = "/log";
 
+/// What topics of cameras begin with.
+pub(crate) const CAMERAS: &str = "/camera/";
+
 /// `foxglove.CompressedImage`, every rendered frame of the camera.
 #[must_use]
 pub fn camera(name: &str) -> String {
-    format!("/camera/{name}")
+    format!("{CAMERAS}{name}")
 }
 
 /// The frame that all bodies' transforms start from.

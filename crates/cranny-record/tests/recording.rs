@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use cranny_exact::DVec3;
 use cranny_record::{
     Frame, LogLevel, ReadError, RecordError, Recorder, Recording, RecordingInfo, answer_digest,
     topic,
@@ -296,6 +297,55 @@ fn places_that_cannot_be_written_are_named() {
     assert!(matches!(error, RecordError::Create { .. }), "{error}");
     assert!(error.to_string().contains("run.mcap.partial"), "{error}");
     assert!(!taken.exists());
+}
+
+#[test]
+fn what_viewers_draw_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let (mut recorder, _) = record(&path, STEPS).unwrap();
+    recorder.remove_body("bob").unwrap();
+    recorder.finish().unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let changes = recording.body_changes().unwrap();
+    let [(0, came), (_, left)] = &changes[..] else { panic!("bodies come, and one leaves") };
+    assert!(came.came.iter().all(|body| body.color == [0.6, 0.7, 0.8, 1.0]));
+    assert_eq!((came.came.len(), &left.left[..]), (BODIES.len(), &["bob".to_owned()][..]));
+    assert_eq!(recording.pictures().unwrap()[0].1.camera, "main");
+
+    let (points, normals) =
+        (recording.contact_points().unwrap(), recording.contact_normals().unwrap());
+    let (curves, contacts) = (recording.contact_curves().unwrap(), recording.contacts().unwrap());
+    let mut pendulum = Pendulum::new();
+    let (mut most, mut closed) = (0, 0);
+    for step in 0..STEPS {
+        pendulum.world.set_pose(pendulum.bob, Pendulum::pose(step, STEPS)).unwrap();
+        let report = pendulum.world.step().unwrap();
+        let at = usize::try_from(step).unwrap();
+        let drawn = &points[at].1;
+        let found: Vec<_> = report
+            .answers
+            .iter()
+            .enumerate()
+            .flat_map(|(i, pair)| pair.answer.contacts.iter().map(move |contact| (i, contact)))
+            .collect();
+        assert_eq!([drawn.len(), normals[at].1.len()], [found.len(); 2]);
+        for ((drawn, pose), (pair, contact)) in drawn.iter().zip(&normals[at].1).zip(&found) {
+            let middle = (0.5 * (contact.point_a + contact.point_b)).as_vec3();
+            let separation = contact.separation as f32;
+            let expected = (middle.to_array(), separation, *pair);
+            assert_eq!((drawn.point, drawn.separation, drawn.pair), expected);
+            assert_eq!(pose.translation.as_vec3(), middle);
+            assert!((pose.rotation * DVec3::X - contact.normal).length() < 1e-6);
+        }
+        let expected: u32 =
+            contacts[at].1.pairs.iter().flat_map(|p| &p.regions).map(|r| r.curve_count).sum();
+        assert_eq!(curves[at].1.len(), expected as usize);
+        assert!(curves[at].1.iter().all(|curve| curve.points.len() > 1));
+        closed += curves[at].1.iter().filter(|curve| curve.closed).count();
+        most = most.max(found.len());
+    }
+    assert!(most > 3 && closed > 3, "{most} {closed}");
 }
 
 #[test]

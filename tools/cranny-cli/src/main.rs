@@ -29,6 +29,7 @@ mod quiet_driver;
 mod recover;
 mod replay;
 mod report;
+mod rerun;
 mod robot;
 mod run;
 mod scene_file;

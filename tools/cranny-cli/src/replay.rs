@@ -13,6 +13,7 @@ use crate::args::{Format, ReplayArgs, ViewArg};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::check_output;
+use crate::rerun;
 
 /// Pairs that differ and that the text lists.
 const DIFFERENCES_TOLD: usize = 8;
@@ -26,6 +27,9 @@ const PICTURE_SIZE: [u32; 2] = [1280, 720];
 ///
 /// A recording that cannot be read, a picture that cannot be drawn or written, a pair that differs.
 pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Failure> {
+    if args.rerun.is_some() || args.rerun_connect.is_some() {
+        return rerun::replay(args, format);
+    }
     if let Some(path) = &args.render {
         check_output("--render", path, &["png", "apng"])?;
     }

@@ -20,6 +20,7 @@ use crate::output::Output;
 use crate::overlaps::{self, StartOverlap};
 use crate::paths::check_output;
 use crate::progress::RunProgress;
+use crate::rerun;
 use crate::scene_file::load;
 use crate::words::counted;
 
@@ -45,6 +46,9 @@ struct RunLine<'a> {
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
+    if let Some(path) = &args.rerun {
+        rerun::check_file(path)?;
+    }
     let mut scene = load(&args.scene, &args.instead.load_options())?;
     overlaps::prepare(&mut scene.description);
     let overlaps_at_start = overlaps::at_start(&scene.description);
@@ -54,6 +58,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     check_camera(args, &scene.description)?;
     let names_cameras = !scene.description.cameras.is_empty() || args.pictures.camera.is_some();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
+    let recording = rerun::recording_of_run(args.record.as_deref(), args.rerun.as_deref());
     let options = RunOptions {
         plugins: PluginOptions {
             detector: detector(args.detector),
@@ -68,7 +73,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         duration: args.instead.duration,
         accuracy: args.effort.accuracy,
         budget: args.effort.budget.map(|budget| budget.0),
-        record: args.record.clone(),
+        record: recording.clone(),
         pictures: PictureOptions {
             frames: args.frames.clone(),
             preview: args.preview.clone(),
@@ -80,8 +85,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         inputs: std::iter::once(scene.path).chain(scene.files).collect(),
         source: Some(scene.source_text),
     };
-    let outputs: Vec<&Path> =
-        [&args.record, &args.preview, &args.frames].into_iter().flatten().map(|p| &**p).collect();
+    let outputs = [&recording, &args.rerun, &args.preview, &args.frames];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().map(|p| &**p).collect();
     let inputs: Vec<&Path> = options.inputs.iter().map(|p| &**p).collect();
     check_outputs(&outputs, &inputs).map_err(failure)?;
     if let Some(path) = &args.record {
@@ -104,13 +109,34 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         progress.set(app.steps_done());
     }
     progress.finishing();
-    let summary = app.finish().map_err(failure)?;
+    let mut summary = app.finish().map_err(failure)?;
+    let converted = match (&recording, &args.rerun) {
+        (Some(recording), Some(out)) => {
+            convert(recording, args.record.is_some(), out, &mut summary.outputs)
+        }
+        _ => Ok(()),
+    };
     progress.clear();
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {
         Format::Json => output.json(&RunLine { summary: &summary, overlaps_at_start }),
         Format::Text => output.line(&text(&summary)),
-    }
+    }?;
+    converted
+}
+
+/// Makes the recording into a file of Rerun's, and names it among what was written.
+fn convert(
+    recording: &Path,
+    is_wanted: bool,
+    out: &Path,
+    outputs: &mut Vec<String>,
+) -> Result<(), Failure> {
+    rerun::finish_run(recording, is_wanted, out)?;
+    let recorded = recording.display().to_string();
+    outputs.retain(|output| is_wanted || *output != recorded);
+    outputs.push(out.display().to_string());
+    Ok(())
 }
 
 /// Fails if `--camera` names none, or chooses one of pictures that nobody wants.

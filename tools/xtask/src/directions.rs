@@ -87,6 +87,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("cranny-record", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-world"]),
     ("cranny-render", &["cranny-exact"]),
+    ("cranny-rerun", &["cranny-exact", "cranny-geometry", "cranny-record"]),
     (
         "cranny-ecs",
         &[
@@ -155,6 +156,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-rapier",
             "cranny-record",
             "cranny-render",
+            "?cranny-rerun",
             "cranny-ecs",
             "cranny-stability",
             "cranny-certificate",
@@ -194,6 +196,7 @@ const FAR_FROM_PURE: &[&str] = &[
     "bevy_transform",
     "mcap",
     "foxglove",
+    "re_sdk",
     "tokio",
     "tempfile",
     "clap",
@@ -359,8 +362,14 @@ impl Graph {
 
 /// The reason that fits best.
 fn why_not(from: &str, to: &str) -> &'static str {
-    const ADAPTERS: [&str; 5] =
-        ["cranny-rapier", "cranny-rapier-f64", "cranny-record", "cranny-render", "cranny-scene"];
+    const ADAPTERS: [&str; 6] = [
+        "cranny-rapier",
+        "cranny-rapier-f64",
+        "cranny-record",
+        "cranny-render",
+        "cranny-rerun",
+        "cranny-scene",
+    ];
     const PHASES: [&str; 2] = ["cranny-broad-phase", "cranny-narrow-phase"];
     match () {
         () if TOOLS.contains(&to) => "nothing imports the tools",

@@ -38,6 +38,17 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_enum, value_name = "VIEW", default_value = "page", requires = "render")]
     pub(crate) view: ViewArg,
 
+    /// Write all of it for Rerun's viewer, in place of computing it anew (a build with
+    /// --features rerun)
+    #[arg(long, value_name = "OUT.rrd", conflicts_with_all = ["at", "from", "to", "every", "render"])]
+    pub(crate) rerun: Option<PathBuf>,
+
+    /// Send all of it to a viewer of Rerun's that runs, in place of computing it anew; without URL,
+    /// to the one on this machine (a build with --features rerun)
+    #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = VIEWER,
+          conflicts_with_all = ["at", "from", "to", "every", "render"])]
+    pub(crate) rerun_connect: Option<String>,
+
     #[command(flatten)]
     pub(crate) pictures: PictureArgs,
 }
@@ -67,6 +78,9 @@ pub(crate) enum ViewArg {
     Motion,
 }
 
+/// Where Rerun's viewer listens by default.
+const VIEWER: &str = "rerun+http://127.0.0.1:9876/proxy";
+
 const REPLAY_NOTES: &str = "\
 Every pair of every frame is computed anew from the poses that its answer came from, to the bit, and compared:
 verdicts, containment, and regions with depth, area, points and curves. A pair that differs is named, and the
@@ -75,9 +89,10 @@ exit code is 1. Contacts for a solver depend on earlier steps and are not compar
 Where no frame holds a pair to compare, as without Contacts in the scene, nothing is verified: the exit code is
 1 as well, but for --render.
 
-A recording that was cut off is read as far as it is whole.
+A recording that was cut off is read as far as it is whole. For Rerun it must be whole: see cranny recover.
 
 Examples:
   cranny replay run.mcap
   cranny replay run.mcap --at 0.35 --render moment.png
-  cranny replay run.mcap --from 1 --to 2 --every 3 --render second.png --view section --size 640x480";
+  cranny replay run.mcap --from 1 --to 2 --every 3 --render second.png --view section --size 640x480
+  cranny replay run.mcap --rerun run.rrd";

@@ -112,9 +112,13 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = threads, default_value = "1", allow_hyphen_values = true)]
     pub(crate) threads: NonZeroUsize,
 
-    /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
+    /// Record poses, contacts and pictures, for Foxglove and Lichtblick
     #[arg(long, value_name = "OUT.mcap")]
     pub(crate) record: Option<PathBuf>,
+
+    /// Write the same for Rerun's viewer (a build with --features rerun)
+    #[arg(long, value_name = "OUT.rrd")]
+    pub(crate) rerun: Option<PathBuf>,
 
     /// Write each picture as a PNG into this folder
     #[arg(long, value_name = "DIR")]
@@ -211,6 +215,7 @@ Examples:
   cranny run assets/scenes/ring_of_tori.ron --preview tori.png
   cranny run assets/scenes/nut_on_bolt.ron --detector rapier-trimesh --duration 2 --format json
   cranny run assets/scenes/robot_arm.ron --record arm.mcap
+  cranny run assets/scenes/robot_arm.ron --rerun arm.rrd
   cranny run assets/scenes/mixed_pile.ron --set gravity.z=-1.6 --set groups.piece.material=(friction:0)
   cranny run assets/scenes/budgeted_triggers.ron --budget unlimited";
 

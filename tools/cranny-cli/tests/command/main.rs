@@ -18,6 +18,7 @@ mod recover;
 mod repair;
 mod replay;
 mod report;
+mod rerun;
 mod robot;
 mod saved_models;
 mod settings;
