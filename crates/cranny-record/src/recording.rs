@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Mesh;
+use cranny_world::description::BodyColor;
 use foxglove::Decode;
 use foxglove::messages::{
     FrameTransform, FrameTransforms, Log, SceneEntity, SceneUpdate, log::Level,
@@ -49,6 +50,9 @@ pub struct DrawnBody {
     pub primitive: Option<String>,
     /// `fixed`, `kinematic` or `dynamic`; `None` where the recording does not say.
     pub kind: Option<String>,
+    /// Red, green and blue, where somebody chose them; `None` also where the recording does not
+    /// say.
+    pub color: Option<BodyColor>,
 }
 
 /// An opened recording. The file is held in memory as filed (compressed).
@@ -285,7 +289,16 @@ fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
         found.map(|pair| pair.value.clone())
     };
     let (model, primitive) = (fact(topic::MODEL_KEY), fact(topic::PRIMITIVE_KEY));
-    Ok(DrawnBody { name, mesh, model, primitive, kind: fact(topic::KIND_KEY) })
+    let color = fact(topic::COLOR_KEY).and_then(|text| stated_color(&text));
+    Ok(DrawnBody { name, mesh, model, primitive, kind: fact(topic::KIND_KEY), color })
+}
+
+/// Of `#rrggbb`.
+fn stated_color(text: &str) -> Option<BodyColor> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let value = u32::from_str_radix(digits, 16).ok()?;
+    let [_, red, green, blue] = value.to_be_bytes();
+    Some(BodyColor([red, green, blue]))
 }
 
 fn named_pose(transform: FrameTransform) -> Result<(String, Pose), String> {
