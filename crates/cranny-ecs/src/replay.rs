@@ -346,7 +346,13 @@ impl Replay {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
             let answer = self.compute(pair)?.ok()?;
             let met = !answer.regions.is_empty();
-            met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0, sensed: false })
+            met.then_some(crate::painting::MeetingPair {
+                a,
+                b,
+                answer,
+                impulse: 0.0,
+                sensed: false,
+            })
         });
         let pairs = pairs.collect();
         crate::painting::Moment { time: frame.time, poses: self.poses(frame), pairs }
