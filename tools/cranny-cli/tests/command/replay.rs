@@ -149,3 +149,12 @@ fn a_recording_keeps_the_scenes_cameras() {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     drawn("far").assert_refused(2, &["Choose one of front, near, isometric, side, top"]);
 }
+
+#[test]
+fn a_time_beyond_the_recording_is_refused() {
+    let folder = Folder::new();
+    let path = recorded(&folder);
+    let says = "--at 99: the recording runs from 0 to 1 s";
+    run(&["replay", &path, "--at", "99"]).assert_refused(2, &[says]);
+    assert_eq!(run(&["replay", &path, "--at", "1.0001"]).code, Some(0));
+}
