@@ -210,7 +210,9 @@ fn a_replay_has_the_scenes_colors_and_cameras() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("seen.mcap");
     let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
-    SceneApp::new(&scene, &options).unwrap().run().unwrap();
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    while app.step().unwrap() {}
+    app.finish().unwrap();
     let replay = Replay::open(&path).unwrap();
     let replayed = replay.scene(&replay.frames()[0]);
     assert_eq!(replayed.cameras, scene.cameras);
