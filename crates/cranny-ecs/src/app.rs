@@ -398,7 +398,10 @@ fn add_recording(
         data: text.clone().into_bytes(),
     });
     let budget = facts.budget.map(|budget| (topic::BUDGET_KEY, budget.to_string()));
-    let further = [(topic::EFFECTS_KEY, effect_names(scene))].into_iter().chain(budget);
+    let cameras = crate::camera_lines::to_text(&scene.cameras);
+    let cameras = (!cameras.is_empty()).then_some((topic::CAMERAS_KEY, cameras));
+    let further = [(topic::EFFECTS_KEY, effect_names(scene))].into_iter();
+    let further = further.chain(budget).chain(cameras);
     let further = further.map(|(key, value)| (key.to_owned(), value));
     let info = RecordingInfo {
         scene: facts.scene.clone(),

@@ -238,8 +238,15 @@ fn detect_pairs(
     }
 }
 
-fn tally_depths(detected: Res<Detected>, time: Res<SimulatedTime>, mut tally: ResMut<Tally>) {
-    for pair in detected.report.iter().flat_map(|report| &report.answers) {
+/// A sensor overlaps others by design: its pairs are no fault of the run.
+fn tally_depths(
+    detected: Res<Detected>,
+    effects: Res<EffectTable>,
+    time: Res<SimulatedTime>,
+    mut tally: ResMut<Tally>,
+) {
+    let answers = detected.report.iter().flat_map(|report| &report.answers);
+    for pair in answers.filter(|pair| !effects.is_sensed(pair.a, pair.b)) {
         tally.note_depth(pair.a, pair.b, &pair.answer, time.steps());
     }
 }

@@ -286,7 +286,7 @@ impl EffectTable {
     }
 
     /// Whether one of two bodies is a sensor.
-    fn is_sensed(&self, a: BodyId, b: BodyId) -> bool {
+    pub(crate) fn is_sensed(&self, a: BodyId, b: BodyId) -> bool {
         [a, b].into_iter().any(|id| self.bodies.get(&id).is_some_and(|body| body.sensor))
     }
 

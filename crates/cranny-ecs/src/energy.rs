@@ -86,6 +86,13 @@ impl EnergyRange {
         self.kinetic_max.max(self.potential_change_max)
     }
 
+    /// Whether all of them are finite numbers, so that gains and losses are.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let all = [self.start, self.now, self.max, self.min, self.scale()];
+        all.iter().all(|energy| energy.is_finite())
+    }
+
     /// The greatest gain over the start, relative to [`scale`](Self::scale); 0 where nothing moved.
     #[must_use]
     pub fn drift(&self) -> f64 {
@@ -122,6 +129,16 @@ mod tests {
             assert!((energy.loss() - 1.0 / 3.0).abs() < 1e-12);
         }
         assert_eq!(EnergyRange::starting(of(0.0, 7.0)).drift(), 0.0);
+    }
+
+    #[test]
+    fn energies_that_overflow_are_not_finite() {
+        let mut energy = EnergyRange::starting(of(1.0, 0.0));
+        energy.note(of(2.0, 1.0));
+        assert!(energy.is_finite());
+        energy.note(of(f64::NAN, 0.0));
+        assert!(!energy.is_finite());
+        assert!(!EnergyRange::starting(of(f64::INFINITY, 0.0)).is_finite());
     }
 
     #[test]

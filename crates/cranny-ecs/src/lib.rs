@@ -36,6 +36,8 @@
 mod admission;
 mod app;
 mod body;
+#[cfg(feature = "record")]
+mod camera_lines;
 mod clock;
 mod collider;
 mod collision;

@@ -86,6 +86,8 @@ pub struct MeetingPair {
     pub answer: Answer,
     /// What they gave each other along their normals in the step; 0 where nobody says.
     pub impulse: f64,
+    /// Whether one of them is a sensor: it overlaps by design, and no close-up looks at it.
+    pub sensed: bool,
 }
 
 /// Draws moments of a scene.

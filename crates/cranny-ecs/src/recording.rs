@@ -173,6 +173,7 @@ fn record_bodies<'a>(
         name: &record.name,
         mesh,
         color: record.color.map_or_else(|| hue(id.0), opaque),
+        color_is_stated: record.color.is_some(),
         model: record.model(),
         primitive: primitive.as_deref(),
         kind: Some(record.kind),

@@ -25,7 +25,7 @@ use cranny_world::{BodyId, ContactFields};
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
-use crate::effects::Pair;
+use crate::effects::{EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::painting::{MeetingPair, Moment, PictureQuality, ScenePainter, panel_sizes};
 use crate::readers::ContactReaders;
@@ -342,6 +342,7 @@ fn read_for_end(mut readers: ResMut<ContactReaders>) {
 struct Drawing<'w, 's> {
     bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
     contacts: Option<Res<'w, ContactReport>>,
+    effects: Res<'w, EffectTable>,
     #[cfg(feature = "rapier")]
     solver: Option<Res<'w, crate::solved::RigidBodies>>,
     time: Res<'w, SimulatedTime>,
@@ -383,7 +384,8 @@ impl Drawing<'_, '_> {
         };
         let pairs = pairs.into_iter().map(|((a, b), answer)| {
             let impulse = impulse((a, b));
-            MeetingPair { a, b, answer, impulse }
+            let sensed = self.effects.is_sensed(a, b);
+            MeetingPair { a, b, answer, impulse, sensed }
         });
         Moment { time: self.time.seconds(), poses: poses.collect(), pairs: pairs.collect() }
     }

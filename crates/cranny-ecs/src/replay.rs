@@ -24,6 +24,8 @@ use cranny_world::description::{
 };
 use thiserror::Error;
 
+use crate::camera_lines::from_text;
+
 /// A recording that cannot be replayed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -330,7 +332,7 @@ impl Replay {
             accuracy: Accuracy::Exact,
             budget: None,
             pairs: Vec::new(),
-            cameras: Vec::new(),
+            cameras: entry(topic::CAMERAS_KEY).map_or_else(Vec::new, |text| from_text(&text)),
             record: RecordDescription::default(),
         }
     }
@@ -344,7 +346,13 @@ impl Replay {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
             let answer = self.compute(pair)?.ok()?;
             let met = !answer.regions.is_empty();
-            met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0 })
+            met.then_some(crate::painting::MeetingPair {
+                a,
+                b,
+                answer,
+                impulse: 0.0,
+                sensed: false,
+            })
         });
         let pairs = pairs.collect();
         crate::painting::Moment { time: frame.time, poses: self.poses(frame), pairs }
@@ -380,7 +388,7 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         collision: collision.unwrap_or_else(|| mesh.clone()),
         shape: body.shape.clone(),
         visual: Some(mesh),
-        color: None,
+        color: body.drawn.stated_color,
         kind,
         pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),
         linear_velocity: DVec3::ZERO,

@@ -8,6 +8,9 @@ use cranny_world::description::{Accuracy, SceneDescription};
 
 use crate::body::Bodies;
 use crate::clock::{PhaseTimes, SimulatedTime};
+use crate::continuous::HeldBack;
+#[cfg(feature = "rapier")]
+use crate::energy::EnergyRange;
 use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
@@ -132,6 +135,8 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         contained,
         energy_drift,
         energy,
+        energy_unknown: energy_unknown(world),
+        held_back: world.get_resource().map(|held: &HeldBack| held.total),
         state_hash: state_hash(world),
         motion,
         joints,
@@ -212,8 +217,21 @@ fn pairs_found(_: &World, _: &Tally) -> Option<PairsFound> {
 }
 
 #[cfg(feature = "rapier")]
+fn energy_unknown(world: &World) -> Option<String> {
+    let bodies = world.get_resource::<crate::solved::RigidBodies>()?;
+    let why = "the mechanical energy is no finite number: a body may be too light, too heavy or too fast for the solver (the units of a mesh, a density)";
+    (!bodies.energy().is_finite()).then(|| why.to_owned())
+}
+
+#[cfg(not(feature = "rapier"))]
+fn energy_unknown(_: &World) -> Option<String> {
+    None
+}
+
+#[cfg(feature = "rapier")]
 fn energies(world: &World) -> (Option<f64>, Option<EnergySummary>) {
     let energy = world.get_resource::<crate::solved::RigidBodies>().map(|b| b.energy());
+    let energy = energy.filter(EnergyRange::is_finite);
     let summary = energy.map(|energy| EnergySummary {
         start: energy.start,
         end: energy.now,

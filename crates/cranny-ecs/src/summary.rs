@@ -52,8 +52,8 @@ pub struct RunSummary {
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
     /// each step, and at the end where a scene has `Contacts`: of regions where somebody
-    /// [reads](crate::ContactReaders) them, otherwise of contacts. A pair that cannot be deeper
-    /// than the deepest so far is not searched for it. Depth 0 and no names where nothing
+    /// [reads](crate::ContactReaders) them, otherwise of contacts. Pairs with a sensor do not count.
+    /// A pair that cannot be deeper than the deepest so far is not searched for it. Depth 0 and no names where nothing
     /// overlapped; `None` where no exact answer has depths.
     pub deepest: Option<DeepestSummary>,
     /// The first overlap of all, deepest of its step or not; `None` where there was none, or no
@@ -70,10 +70,16 @@ pub struct RunSummary {
     /// or where there is no exact answer.
     pub contained: Option<ContainedSummary>,
     /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
-    /// 0 or more. `None` without a solver.
+    /// 0 or more. `None` without a solver, and where energies are not finite.
     pub energy_drift: Option<f64>,
-    /// Energies, where there is a solver.
+    /// Energies, where there is a solver and they are finite.
     pub energy: Option<EnergySummary>,
+    /// Why a solver's energies are not known; `None` where they are, or there is no solver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_unknown: Option<String>,
+    /// How many bodies would have passed through another one and were held back, summed over the
+    /// steps; `None` without `Continuous`.
+    pub held_back: Option<u64>,
     /// Hash of the final poses and velocities, bit for bit, in the order of bodies.
     pub state_hash: String,
     /// Motion of each body that can move.

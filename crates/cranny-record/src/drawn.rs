@@ -3,6 +3,7 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
+use cranny_world::description::BodyColor;
 use foxglove::Decode;
 use foxglove::messages::{
     Color, CompressedImage, LinePrimitive, PackedElementField, PointCloud, PosesInFrame,
@@ -28,6 +29,9 @@ pub struct DrawnBody {
     pub primitive: Option<String>,
     /// `fixed`, `kinematic` or `dynamic`; `None` where the recording does not say.
     pub kind: Option<String>,
+    /// Red, green and blue, where somebody chose them; `None` also where the recording does not
+    /// say.
+    pub stated_color: Option<BodyColor>,
 }
 
 /// What a recording says at one time of which bodies there are.
@@ -155,7 +159,16 @@ fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
     };
     let (model, primitive) = (fact(topic::MODEL_KEY), fact(topic::PRIMITIVE_KEY));
     let kind = fact(topic::KIND_KEY);
-    Ok(DrawnBody { name, mesh, color: [r, g, b, a], model, primitive, kind })
+    let stated_color = fact(topic::COLOR_KEY).and_then(|text| stated_color(&text));
+    Ok(DrawnBody { name, mesh, color: [r, g, b, a], model, primitive, kind, stated_color })
+}
+
+/// Of `#rrggbb`.
+fn stated_color(text: &str) -> Option<BodyColor> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let value = u32::from_str_radix(digits, 16).ok()?;
+    let [_, red, green, blue] = value.to_be_bytes();
+    Some(BodyColor([red, green, blue]))
 }
 
 fn drawn_contacts(cloud: &PointCloud) -> Result<Vec<DrawnContact>, String> {

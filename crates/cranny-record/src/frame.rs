@@ -85,6 +85,8 @@ pub struct RecordedBody<'a> {
     pub mesh: &'a Mesh,
     /// Red, green, blue and opacity, 0 to 1.
     pub color: [f64; 4],
+    /// Whether somebody chose that color; otherwise a replay chooses one of its own.
+    pub color_is_stated: bool,
     /// What collides: its digest is recorded, and all of it where it differs from what is drawn.
     /// `None`: a primitive, or nothing can be computed anew.
     pub model: Option<&'a Model>,

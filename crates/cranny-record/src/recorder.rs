@@ -310,12 +310,20 @@ fn facts(body: &RecordedBody) -> Vec<KeyValuePair> {
         BodyKind::Kinematic => "kinematic",
         BodyKind::Dynamic => "dynamic",
     });
+    let color = body.color_is_stated.then(|| entry(topic::COLOR_KEY, color_text(body.color)));
     let primitive = body.primitive.map(|text| entry(topic::PRIMITIVE_KEY, text.to_owned()));
     model
         .into_iter()
         .chain(primitive)
         .chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned())))
+        .chain(color)
         .collect()
+}
+
+/// `#rrggbb`, without opacity.
+fn color_text([red, green, blue, _]: [f64; 4]) -> String {
+    let [red, green, blue] = [red, green, blue].map(|share| (255.0 * share).round() as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 fn transform(name: &str, pose: &Pose, timestamp: Timestamp) -> FrameTransform {

@@ -42,6 +42,8 @@ pub const MODEL_KEY: &str = "model";
 pub const PRIMITIVE_KEY: &str = "primitive";
 /// Key of a body's metadata: `fixed`, `kinematic` or `dynamic`.
 pub const KIND_KEY: &str = "kind";
+/// Key of a body's metadata: `#rrggbb`, where somebody chose its color.
+pub const COLOR_KEY: &str = "color";
 
 /// Name of the attachment that holds a model which differs from what is drawn.
 #[must_use]
@@ -51,6 +53,9 @@ pub fn model(digest: &str) -> String {
 
 /// Key of the metadata record [`METADATA`]: names of the effects that the scene asks for.
 pub const EFFECTS_KEY: &str = "effects";
+
+/// Key of the same record: the scene's cameras, a line each; absent where it names none.
+pub const CAMERAS_KEY: &str = "cameras";
 
 /// Key of the same record: elementary tests that a step may take for triggers and distances; absent
 /// where they take as many as they need.

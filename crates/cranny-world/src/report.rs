@@ -142,7 +142,7 @@ pub struct StepStats {
     pub counters: Counters,
     /// What the broad phase did. Not part of any hash.
     pub broad_phase: BroadPhaseCounters,
-    /// The deepest overlap among the answers that tell depths.
+    /// The deepest overlap among the answers that tell depths, but for those of sensors.
     pub deepest: Option<Deepest>,
 }
 
@@ -181,7 +181,8 @@ impl StepStats {
     }
 
     /// Adds what an answer found; whether it was queried or supplied is the caller's to count.
-    pub(crate) fn add(&mut self, pair: &PairAnswer) {
+    /// A sensor overlaps others by design: `sensed` keeps its pair out of the deepest.
+    pub(crate) fn add(&mut self, pair: &PairAnswer, sensed: bool) {
         let answer = &pair.answer;
         self.touching_pairs += usize::from(answer.touches());
         let in_regions: usize = answer.regions.iter().map(|r| r.points.len()).sum();
@@ -189,7 +190,7 @@ impl StepStats {
         self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
         self.regions += answer.regions.len();
         self.counters += answer.counters;
-        let depth = answer.depth();
+        let depth = if sensed { 0.0 } else { answer.depth() };
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
             self.deepest = Some(Deepest { depth, a: pair.a, b: pair.b });
         }

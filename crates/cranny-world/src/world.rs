@@ -340,7 +340,8 @@ impl World {
         answers.extend(supplied.into_iter().map(|((a, b), answer)| PairAnswer { a, b, answer }));
         answers.sort_by_key(|pair| (pair.a, pair.b));
         estimates.sort_by_key(|pair| (pair.a, pair.b));
-        answers.iter().for_each(|pair| stats.add(pair));
+        let is_sensor = |id| self.bodies.get(id).is_some_and(Body::is_sensor);
+        answers.iter().for_each(|pair| stats.add(pair, is_sensor(&pair.a) || is_sensor(&pair.b)));
         estimates.iter().for_each(|pair| stats.add_estimate(pair));
         let events = self.update_touching(&answers, &estimates);
         self.left = std::mem::take(&mut self.leaving);

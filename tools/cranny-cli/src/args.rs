@@ -33,7 +33,8 @@ pub(crate) use verify::VerifyArgs;
 /// Exact collision detection for bodies that are not convex.
 ///
 /// Results go to standard output; errors, warnings, logs and progress to standard error, logs only
-/// where a flag says so, and progress only where that is a terminal.
+/// where a flag says so, and progress only where that is a terminal. The warnings of `check` are
+/// its result, and so on standard output.
 #[derive(Debug, Parser)]
 #[command(name = "cranny", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub(crate) struct Cli {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cranny_broad_phase::BoxIndex;
 use cranny_exact::Aabb;
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_narrow_phase::{Answer, Containment, Demand, PairMemory, Query};
 use cranny_primitives::{BodyShape, PlacedShape, query_shapes};
 use cranny_world::description::{
     BodyDescription, BodyKind, Effect, PairDescription, SceneDescription,
@@ -26,8 +26,12 @@ const LISTED: usize = 8;
 pub(crate) struct StartOverlap {
     a: String,
     b: String,
-    /// `None`: one lies wholly within the other.
+    /// Along the normal of a contact region: another way out may be shorter. `None`: one lies
+    /// wholly within the other.
     depth: Option<f64>,
+    /// The body that lies wholly within the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inner: Option<String>,
 }
 
 /// All pairs that overlap, the deepest first. Bodies are [prepared](prepare).
@@ -36,12 +40,11 @@ pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
         .into_iter()
         .filter_map(|(a, b)| {
             let [a, b] = [a, b].map(|body| &scene.bodies[body]);
-            let depth = depth([a, b])?;
+            let Overlap { depth, inner } = overlap([a, b])?;
+            let inner = inner.map(|inner| [a, b][inner].name.clone());
             let [a, b] = [a, b].map(|body| body.name.clone());
-            Some((
-                depth,
-                StartOverlap { a, b, depth: Some(depth).filter(|depth| depth.is_finite()) },
-            ))
+            let known = Some(depth).filter(|depth| depth.is_finite());
+            Some((depth, StartOverlap { a, b, depth: known, inner }))
         })
         .collect();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
@@ -62,13 +65,17 @@ pub(crate) fn sentences(overlaps: &[StartOverlap]) -> Vec<String> {
 
 impl StartOverlap {
     fn sentence(&self) -> String {
-        let Self { a, b, depth } = self;
-        let what = match depth {
-            Some(depth) => format!("overlap by {depth:.6}"),
-            None => "are one wholly within the other".to_owned(),
+        let Self { a, b, depth, inner } = self;
+        let what = match (depth, inner) {
+            (Some(depth), _) => format!("{a:?} and {b:?} overlap by up to {depth:.6}"),
+            (None, Some(inner)) => {
+                let outer = if inner == a { b } else { a };
+                format!("{inner:?} lies wholly within {outer:?}")
+            }
+            (None, None) => format!("of {a:?} and {b:?} one lies wholly within the other"),
         };
         format!(
-            "{a:?} and {b:?} {what} at the start: the solver drives them apart. Move one, or say `collide: false` for the pair"
+            "{what} at the start: the solver drives them apart. Move one, or say `collide: false` for the pair"
         )
     }
 }
@@ -130,15 +137,26 @@ fn boxes(scene: &SceneDescription) -> Vec<Aabb> {
     scene.bodies.iter().map(bounds).collect()
 }
 
-/// How deep two bodies overlap, if deep enough to tell; infinite where one lies in the other. Of a
-/// mesh that cannot be prepared nothing is known: a run says why.
-fn depth([a, b]: [&BodyDescription; 2]) -> Option<f64> {
+/// How deep two bodies overlap, infinite where one lies in the other, and which of them does.
+struct Overlap {
+    depth: f64,
+    inner: Option<usize>,
+}
+
+/// The overlap of two bodies, if deep enough to tell. Of a mesh that cannot be prepared nothing is
+/// known: a run says why.
+fn overlap([a, b]: [&BodyDescription; 2]) -> Option<Overlap> {
     let question = Query::of(Demand::Regions { margin: 0.0 });
     let answer =
         query_shapes(placed(a)?, placed(b)?, &question, &mut PairMemory::default()).ok()?;
     let diagonal = |body: &BodyDescription| body.collision.bounds().diagonal();
     let depth = depth_of(&answer);
-    (depth > SHALLOW * diagonal(a).min(diagonal(b))).then_some(depth)
+    let inner = answer.contained.filter(|_| depth.is_infinite()).map(|inner| match inner {
+        Containment::AInB => 0,
+        Containment::BInA => 1,
+    });
+    let is_deep = depth > SHALLOW * diagonal(a).min(diagonal(b));
+    is_deep.then_some(Overlap { depth, inner })
 }
 
 fn placed(body: &BodyDescription) -> Option<PlacedShape<'_>> {

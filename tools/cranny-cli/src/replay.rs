@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::check_output;
 use crate::rerun;
+use crate::words::counted;
 
 /// Pairs that differ and that the text lists.
 const DIFFERENCES_TOLD: usize = 8;
@@ -93,6 +94,7 @@ fn failure(error: ReplayError) -> Failure {
 
 fn chosen<'a>(replay: &'a Replay, args: &ReplayArgs) -> Result<Vec<&'a ReplayFrame>, Failure> {
     if let Some(at) = args.at {
+        check_within(replay, at)?;
         return Ok(vec![replay.nearest(at)]);
     }
     let (from, to) = (args.from.unwrap_or(0.0), args.to.unwrap_or(f64::INFINITY));
@@ -102,6 +104,19 @@ fn chosen<'a>(replay: &'a Replay, args: &ReplayArgs) -> Result<Vec<&'a ReplayFra
     match frames.is_empty() {
         false => Ok(frames),
         true => Err(Failure::input(NoFrame { from, to, last })),
+    }
+}
+
+/// Fails if a time is farther from all frames than the last two are from each other.
+fn check_within(replay: &Replay, at: f64) -> Result<(), Failure> {
+    let times: Vec<f64> = replay.frames().iter().rev().take(2).map(|frame| frame.time).collect();
+    let last = times.first().copied().unwrap_or_default();
+    let spacing = times.get(1).map_or(0.0, |before| last - before);
+    match (-spacing..=last + spacing).contains(&at) {
+        true => Ok(()),
+        false => Err(Failure::input(format!(
+            "--at {at}: the recording runs from 0 to {last} s. Name a time in it."
+        ))),
     }
 }
 
@@ -174,7 +189,7 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     let last = replay.frames().last().map_or(0.0, |frame| frame.time);
     let mut lines = vec![
         format!("recording  {}", args.recording.display()),
-        format!("holds      {} frames, up to {last:.3} s", replay.frames().len()),
+        format!("holds      {}, up to {last:.3} s", counted(replay.frames().len() as u64, "frame")),
     ];
     if !whole {
         lines.push(
@@ -193,12 +208,15 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     }
     lines.push(match report.same + report.different.len() as u64 {
         0 => {
-            format!("computed   nothing anew: no pair of {} frames can be compared", report.frames)
+            format!(
+                "computed   nothing anew: no pair of {} can be compared",
+                counted(report.frames, "frame")
+            )
         }
         _ => format!(
-            "computed   {} frames anew: {} pairs the same to the bit, {} different",
-            report.frames,
-            report.same,
+            "computed   {} anew: {} the same to the bit, {} different",
+            counted(report.frames, "frame"),
+            counted(report.same, "pair"),
             report.different.len()
         ),
     });
@@ -211,8 +229,8 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     }
     if report.unknown > 0 {
         lines.push(format!(
-            "unknown    {} pairs cannot be computed anew: the recording does not say what collides",
-            report.unknown
+            "unknown    {} cannot be computed anew: the recording does not say what collides",
+            counted(report.unknown, "pair")
         ));
     }
     for pair in report.different.iter().take(DIFFERENCES_TOLD) {

@@ -42,6 +42,7 @@ struct ConfigurationLine<'a> {
 /// Wrong files or options; standard output that cannot be written.
 pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Failure> {
     check_input("robot file", &args.urdf)?;
+    refuse_srdf(&args.urdf)?;
     if let Some(path) = &args.render {
         let inputs = [Some(&args.urdf), args.configurations.as_ref(), args.srdf.as_ref()];
         let inputs: Vec<&Path> = inputs.into_iter().flatten().map(|path| &**path).collect();
@@ -95,6 +96,18 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     })?;
     check(args, &robot, &mut checked, &configurations, format.unwrap_or(Format::Json))?;
     render(args, &robot, &mut checked, drawn).map(|_| ())
+}
+
+/// Fails if the file says by its name that it is the semantics of a robot.
+fn refuse_srdf(path: &Path) -> Result<(), Failure> {
+    let is_srdf = path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("srdf"));
+    match is_srdf {
+        false => Ok(()),
+        true => Err(Failure::input(format!(
+            "robot file {}: by its name it is an SRDF file. Name the URDF, and this one with --srdf.",
+            path.display()
+        ))),
+    }
 }
 
 /// Draws a configuration, where a picture is wanted; returns what is to be said of it.

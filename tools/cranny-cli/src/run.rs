@@ -151,7 +151,8 @@ fn check_camera(args: &RunArgs, scene: &SceneDescription) -> Result<(), Failure>
         [] => vec![DEFAULT_CAMERA],
         cameras => cameras.iter().map(|camera| camera.name.as_str()).collect(),
     };
-    let known = [&of_scene[..], &CAMERA_PRESETS].concat();
+    let presets = CAMERA_PRESETS.iter().filter(|preset| !of_scene.contains(preset));
+    let known: Vec<&str> = of_scene.iter().chain(presets).copied().collect();
     if known.contains(&name.as_str()) {
         return Ok(());
     }
@@ -248,21 +249,32 @@ fn text(summary: &RunSummary) -> String {
         let TriggerSummary { a, b, times, open, step } = trigger;
         let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
         let times = if *open == 0 { times } else { format!("{times} ({open} of them open)") };
-        lines.add("triggers", format!("{a} and {b} began to touch {times}, after {step} steps"));
+        lines.add(
+            "triggers",
+            format!("{a} and {b} began to touch {times}, after {}", counted(*step, "step")),
+        );
     }
     more(&mut lines, "triggers", "pairs", summary.triggers.len());
     summary.tracking.iter().take(LISTED).for_each(|tracked| add_tracking(&mut lines, tracked));
     more(&mut lines, "tracking", "bodies", summary.tracking.len());
     for LeftSummary { body, step } in summary.left.iter().take(LISTED) {
-        lines.add("left", format!("{body} left the world after {step} steps"));
+        lines.add("left", format!("{body} left the world after {}", counted(*step, "step")));
     }
     more(&mut lines, "left", "bodies", summary.left.len());
     if let Some(c) = &summary.contained {
         let value = format!(
-            "a body wholly within another in {} steps, first {} and {} after {} steps",
-            c.steps, c.a, c.b, c.step
+            "a body wholly within another in {}, first {} and {} after {}",
+            counted(c.steps, "step"),
+            c.a,
+            c.b,
+            counted(c.step, "step")
         );
         lines.add("inside", value);
+    }
+    if let Some(total @ 1..) = summary.held_back {
+        let value =
+            format!("{} before what they would have passed through", counted(total, "time"));
+        lines.add("held back", value);
     }
     let off = |joint: &JointSummary| joint.off_max;
     if let Some(worst) = summary.joints.iter().max_by(|a, b| off(a).total_cmp(&off(b))) {
@@ -292,6 +304,9 @@ fn text(summary: &RunSummary) -> String {
             energy.scale
         );
         lines.add("energy", value);
+    }
+    if let Some(why) = &summary.energy_unknown {
+        lines.add("energy", format!("not known: {why}"));
     }
     for helix in &summary.helices {
         let value = format!(
@@ -341,7 +356,7 @@ fn deepest(summary: &RunSummary) -> String {
 }
 
 fn overlap(DeepestSummary { depth, a, b, step }: &DeepestSummary) -> String {
-    format!("{depth:.6} between {a} and {b}, after {step} steps")
+    format!("{depth:.6} between {a} and {b}, after {}", counted(*step, "step"))
 }
 
 /// How many of so many things are not listed.

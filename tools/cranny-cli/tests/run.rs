@@ -563,3 +563,60 @@ fn a_tracker_that_cannot_be_is_refused_by_name_with_its_remedy() {
     refused(on, "device: (rate: 9, dropouts: 1.5)", both, &["from 0 to 1", "1.5", "line 2"]);
     refused(on, "", both, &["device", "line 2"]);
 }
+
+/// The summary of a scene that is written here, and its text.
+fn summed_up(scene: &str) -> (Value, String) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("scene.ron");
+    fs::write(&path, scene).unwrap();
+    let path = path.to_str().unwrap();
+    let text = cranny(&["run", path]);
+    (run_json(path, &[]), String::from_utf8(text.stdout).unwrap())
+}
+
+#[test]
+fn what_a_sensor_overlaps_is_no_fault() {
+    let (summary, text) = summed_up(
+        r#"(duration: 1, bodies: [
+            (name: "zone", shape: Generator(Cuboid()), kind: Fixed, sensor: true),
+            (name: "ball", shape: Primitive(Ball(radius: 0.1)), pose: (at: (0, 0, 1))),
+        ], effects: [Response(), Trigger(), Contacts()])"#,
+    );
+    assert_eq!(summary["deepest"]["depth"], 0.0, "{summary}");
+    assert_eq!((&summary["contained"], &summary["first_overlap"]), (&Value::Null, &Value::Null));
+    assert_eq!(summary["triggers"][0]["times"], 1, "{summary}");
+    assert!(text.contains("deepest    no overlap") && !text.contains("\ninside"), "{text}");
+}
+
+#[test]
+fn bodies_that_were_held_back_are_counted() {
+    let scene = |effects: &str| {
+        summed_up(&format!(
+            r#"(duration: 0.5, bodies: [
+                (name: "wall", shape: Generator(Cuboid(size: (0.01, 3, 3))), kind: Fixed),
+                (name: "pellet", shape: Generator(Cuboid(size: (0.05, 0.05, 0.05))), pose: (at: (-1, 0, 0)),
+                 velocity: (linear: (120, 0, 0))),
+            ], effects: [Response(), {effects}])"#
+        ))
+    };
+    let (summary, text) = scene("Continuous()");
+    assert!(summary["held_back"].as_u64().unwrap() > 0, "{summary}");
+    assert!(text.contains("\nheld back "), "{text}");
+    let (summary, text) = scene("");
+    assert_eq!(summary["held_back"], Value::Null);
+    assert!(!text.contains("held back"), "{text}");
+}
+
+#[test]
+fn energies_that_are_not_finite_are_said_to_be_unknown() {
+    let (summary, text) = summed_up(
+        r#"(duration: 0.1, bodies: [
+            (name: "floor", shape: Generator(Floor()), kind: Fixed),
+            (name: "mote", shape: Generator(Cuboid(size: (1e-5, 1e-5, 1e-5))), pose: (at: (0, 0, 0.4)),
+             material: (density: 1e-3), velocity: (angular: (1, 2, 3))),
+        ], effects: [Response()])"#,
+    );
+    assert_eq!((&summary["energy"], &summary["energy_drift"]), (&Value::Null, &Value::Null));
+    assert!(summary["energy_unknown"].as_str().unwrap().contains("no finite number"), "{summary}");
+    assert!(text.contains("energy     not known: ") && !text.contains("NaN"), "{text}");
+}

@@ -90,11 +90,10 @@ pub(super) fn preset(
         "side" => CameraView::Side,
         "top" => CameraView::Top,
         _ => {
-            let names = known.iter().map(|(name, _)| name.as_str()).chain(CAMERA_PRESETS);
-            let why = format!(
-                "there is none of that name. Choose one of {}",
-                names.collect::<Vec<_>>().join(", ")
-            );
+            let own = || known.iter().map(|(name, _)| name.as_str());
+            let presets = CAMERA_PRESETS.into_iter().filter(|name| !own().any(|own| own == *name));
+            let names: Vec<_> = own().chain(presets).collect();
+            let why = format!("there is none of that name. Choose one of {}", names.join(", "));
             return Err(SceneAppError::Camera { camera: name.to_owned(), why });
         }
     };

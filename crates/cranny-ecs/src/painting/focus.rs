@@ -48,7 +48,8 @@ impl Focus {
         last: Option<&Focus>,
         camera: &Camera,
     ) -> Option<Self> {
-        let met = moment.pairs.iter().filter_map(|pair| Some((pair, deepest(&pair.answer)?)));
+        let pairs = moment.pairs.iter().filter(|pair| !pair.sensed);
+        let met = pairs.filter_map(|pair| Some((pair, deepest(&pair.answer)?)));
         let deepest_of_all = met.clone().min_by(|a, b| order(&a.1, &b.1));
         let Some((deepest_pair, least)) = deepest_of_all else {
             return Self::of_lone_body(coats, moment, last, camera);
@@ -261,7 +262,7 @@ pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
         let question = Query::of(Demand::Distance { below: None });
         let answer =
             query_shapes(placed_a, placed_b, &question, &mut PairMemory::default()).ok()?;
-        Some(MeetingPair { a, b, answer, impulse: 0.0 })
+        Some(MeetingPair { a, b, answer, impulse: 0.0, sensed: false })
     });
     let found: Vec<_> = found.collect();
     if found.iter().any(|pair: &MeetingPair| pair.answer.touches()) {

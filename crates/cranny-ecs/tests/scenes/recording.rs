@@ -120,6 +120,7 @@ fn a_body_that_changes_its_shape_is_refused_in_a_replay() {
                 name: "can",
                 mesh: model.mesh(),
                 color: [1.0; 4],
+                color_is_stated: false,
                 model: Some(model),
                 primitive: None,
                 kind: None,
@@ -166,6 +167,7 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
             name,
             mesh: model.mesh(),
             color: [1.0; 4],
+            color_is_stated: false,
             model: Some(&model),
             primitive: None,
             kind: Some(BodyKind::Dynamic),
@@ -188,5 +190,36 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
         let report = replay.compare(replay.frames().iter());
         assert_eq!((report.frames, report.different.len()), (1, different), "{report:?}");
         assert_eq!(report.same, 1 - different as u64);
+    }
+}
+
+/// What a scene says of its looks comes back from its recording.
+#[test]
+fn a_replay_has_the_scenes_colors_and_cameras() {
+    use cranny_exact::DVec3;
+    use cranny_world::description::{BodyColor, CameraDescription, CameraView, SceneDescription};
+
+    let mut scene = gate(&EFFECTS);
+    scene.bodies[0].color = Some(BodyColor([255, 128, 0]));
+    let view = CameraView::LookAt {
+        eye: DVec3::new(1.6, -1.2, 0.9),
+        target: DVec3::new(0.35, 0.1, 0.2),
+        field_of_view: 0.8,
+    };
+    scene.cameras = vec![CameraDescription { name: "near".to_owned(), view }];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("seen.mcap");
+    let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    while app.step().unwrap() {}
+    app.finish().unwrap();
+    let replay = Replay::open(&path).unwrap();
+    let replayed = replay.scene(&replay.frames()[0]);
+    assert_eq!(replayed.cameras, scene.cameras);
+    let color = |scene: &SceneDescription, name: &str| {
+        scene.bodies.iter().find(|body| body.name == name).unwrap().color
+    };
+    for body in &scene.bodies {
+        assert_eq!(color(&replayed, &body.name), body.color, "{}", body.name);
     }
 }

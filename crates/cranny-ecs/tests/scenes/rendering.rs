@@ -184,7 +184,7 @@ fn a_section_shows_what_two_bodies_share() {
         let question = Query::of(Demand::Regions { margin: 0.5 });
         let answer = query(placed(a), placed(b), &question, &mut PairMemory::default()).unwrap();
         let [a, b] = [0, 1].map(BodyId);
-        moment.pairs = vec![MeetingPair { a, b, answer, impulse: 0.0 }];
+        moment.pairs = vec![MeetingPair { a, b, answer, impulse: 0.0, sensed: false }];
         let size = ScenePainter::camera_size(ScenePainterView::Section, SIZE).unwrap();
         let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
         let image = painter.draw(&mut renderer, &moment, ScenePainterView::Section, SIZE).unwrap();

@@ -86,6 +86,7 @@ pub enum FindingKind {
 }
 
 const SURFACE: &str = "no containment, depth, area or mass: the component is a surface";
+const ONE_SIDED: &str = "a solver keeps bodies off its faces on the side from which their corners run counter-clockwise; from the other side only primitives are held, as a Ball is";
 
 impl FindingKind {
     /// Every kind, in order.
@@ -269,7 +270,8 @@ impl FindingKind {
             | Self::NearVertices
             | Self::SeveralShells
             | Self::Cavity => &[],
-            Self::OpenEdge | Self::ContradictoryEdge | Self::NonOrientable => &[SURFACE],
+            Self::OpenEdge => &[SURFACE, ONE_SIDED],
+            Self::ContradictoryEdge | Self::NonOrientable => &[SURFACE],
             Self::TVertex => &["the edge stays open there: the component is a surface"],
             Self::NonManifoldEdge => &[
                 "regions may be split or joined at the edge: which faces follow each other is open",

@@ -83,6 +83,7 @@ impl Pendulum {
                 name,
                 mesh,
                 color,
+                color_is_stated: false,
                 model: None,
                 primitive: None,
                 kind: None,

@@ -5,7 +5,7 @@
 //! Kept are links with `inertial`, `visual` (its colour too) and `collision`, and joints. All else
 //! (textures, transmissions, sensors, extensions of simulators) goes, right or wrong.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -34,6 +34,8 @@ pub(super) struct Sifted {
     pub(super) lines: [BTreeMap<String, u32>; 2],
     /// Links whose `inertial` has a mass and a tensor.
     pub(super) weighed: Vec<String>,
+    /// Links whose `inertial` has a mass.
+    pub(super) massive: BTreeSet<String>,
     /// Joints that have a `limit` with bounds.
     pub(super) bounded: Vec<String>,
     /// Whether elements of xacro were left in it.
@@ -185,6 +187,7 @@ impl<'a, 'input> Sifter<'a, 'input> {
             self.note(node, format!("{what} has an element 'inertial' without a mass: ignored"));
             return Ok(());
         };
+        self.sifted.massive.insert(link.to_owned());
         self.sifted.text.push_str("<inertial>");
         self.origin(node, &what)?;
         self.element(mass, &what, &[number("value")])?;

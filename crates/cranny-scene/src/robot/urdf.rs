@@ -60,8 +60,10 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
         sifted,
         installed: package::Installed::from_environment(),
         files: vec![path.to_owned()],
+        undrawn: Vec::new(),
     };
     let links = urdf.links.iter().map(|link| reader.link(link)).collect::<Result<Vec<_>, _>>()?;
+    reader.note_undrawn();
     let index_of = reader.unique("link", links.iter().map(|link| link.name.as_str()))?;
     reader.unique("joint", urdf.joints.iter().map(|joint| joint.name.as_str()))?;
     let mut joints = urdf
@@ -84,6 +86,8 @@ struct Reader {
     files: Vec<PathBuf>,
     sifted: Sifted,
     installed: package::Installed,
+    /// Links and the visual meshes of theirs that were not found.
+    undrawn: Vec<(String, String)>,
 }
 
 impl Reader {
@@ -95,6 +99,21 @@ impl Reader {
     fn note(&mut self, element: &str, name: &str, what: &str) {
         let line = self.line(element, name).map_or(String::new(), |line| format!("line {line}: "));
         self.notes.push(format!("{line}{element} {name:?} {what}"));
+    }
+
+    /// A sentence about all visual meshes that were not found.
+    fn note_undrawn(&mut self) {
+        match &std::mem::take(&mut self.undrawn)[..] {
+            [] => {}
+            [(link, uri)] => {
+                let what = format!("is drawn without the mesh {uri:?}, which was not found");
+                self.note("link", link, &what);
+            }
+            all @ [(link, uri), ..] => self.notes.push(format!(
+                "{} visual meshes were not found, and their links are drawn without them: the first is {uri:?} of link {link:?}",
+                all.len()
+            )),
+        }
     }
 
     fn error(&self, element: &'static str, name: &str, problem: String) -> RobotError {
@@ -150,14 +169,12 @@ impl Reader {
                 }
                 // Where it was looked for matters for what collides.
                 Err(RobotError::MeshNotFound { uri, .. }) => {
-                    let what = format!("is drawn without the mesh {uri:?}, which was not found");
-                    self.note("link", &link.name, &what);
+                    self.undrawn.push((link.name.clone(), uri));
                 }
                 Err(error) => self.notes.push(format!("a visual element was left out: {error}")),
             }
         }
-        let mass = link.inertial.mass.value;
-        let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
+        let mass = self.mass(link);
         let inertial = mass.map(|mass| self.inertial(link, mass)).transpose()?.flatten();
         Ok(RobotLink {
             name: link.name.clone(),
@@ -168,6 +185,19 @@ impl Reader {
             mass,
             inertial,
         })
+    }
+
+    /// The mass that a link states; one that no body has is noted and left out.
+    fn mass(&mut self, link: &Link) -> Option<f64> {
+        let mass = link.inertial.mass.value;
+        let possible = (mass.is_finite() && mass > 0.0).then_some(mass);
+        if possible.is_none() && self.sifted.massive.contains(&link.name) {
+            let what = format!(
+                "states the mass {mass}, which is not above 0: mass and inertia are those of its collision geometry at the robot's density, or of nothing where it has none"
+            );
+            self.note("link", &link.name, &what);
+        }
+        possible
     }
 
     /// What the link's `inertial` says, in the link's frame. A tensor that no body can have is

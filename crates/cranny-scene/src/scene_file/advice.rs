@@ -34,9 +34,10 @@ fn hint(error: &Error) -> &'static str {
         }
         Error::ExpectedArray => ". A list is written in brackets: `[…, …]`",
         Error::ExpectedMap => ". Values by name are written in braces: `{\"elbow\": 0.5}`",
-        Error::ExpectedFloat | Error::ExpectedInteger => {
-            ". A number is written without a unit and without quotes: `2.0`"
+        Error::ExpectedInteger => {
+            ". A whole number is wanted here, written without a point, a unit and quotes: `2`"
         }
+        Error::ExpectedFloat => ". A number is written without a unit and without quotes: `2.0`",
         Error::ExpectedString => ". A text is written in quotes: `\"cup\"`",
         Error::ExpectedIdentifier => {
             ". A choice is written without quotes, as `Fixed`: the reference of scenes \

@@ -30,6 +30,7 @@ mod effect;
 mod geometry;
 mod group;
 mod include;
+mod layers;
 mod locate;
 mod mass;
 mod motor_path;

@@ -118,6 +118,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         link_of_body: Vec::new(),
         models: LinkModels::default(),
         warnings,
+        unweighed: Vec::new(),
     };
     let world_from_links: Vec<Pose> =
         root_from_links.iter().map(|pose| world_from_root.compose(pose)).collect();
@@ -188,6 +189,8 @@ struct Placing<'a> {
     link_of_body: Vec<usize>,
     models: LinkModels,
     warnings: Vec<String>,
+    /// Dynamic links that weigh what their solid weighs, since the file states no mass.
+    unweighed: Vec<String>,
 }
 
 impl Placing<'_> {
@@ -362,6 +365,9 @@ impl Placing<'_> {
         let solid = solid.filter(|solid| solid.volume > 0.0);
         let by_volume = |volume: f64| described.mass.map_or(density, |mass| mass / volume);
         if let Some(solid) = solid {
+            if described.mass.is_none() && self.moves(link) {
+                self.unweighed.push(name.clone());
+            }
             let density = by_volume(solid.volume);
             return Ok(Some(StatedMass {
                 mass: density * solid.volume,
@@ -448,6 +454,12 @@ impl Placing<'_> {
         drive.motor(limited, path, self.file.hold.then_some(start))
     }
 
+    /// Whether the solver moves the body that carries a link.
+    fn moves(&self, link: usize) -> bool {
+        let body = self.carriers[link].map(|carrier| carrier.body - self.first);
+        body.is_some_and(|body| self.bodies[body].kind == BodyKind::Dynamic)
+    }
+
     /// Gives each body the mass of all that it is made of.
     fn settle_masses(&mut self) -> Result<(), String> {
         let mut weightless = Vec::new();
@@ -460,6 +472,13 @@ impl Placing<'_> {
                 weightless.push(body.name.clone());
             }
             body.mass = Some(mass.unwrap_or_else(|| cube_of(FRAME_MASS, FRAME_SIZE, DVec3::ZERO)));
+        }
+        if !self.unweighed.is_empty() {
+            self.warnings.push(format!(
+                "links without a stated mass weigh what their collision geometry weighs at density {} (`material` of the robot says another; an element 'inertial' states the mass): {}",
+                self.file.material.density(),
+                listed(&self.unweighed)
+            ));
         }
         if !weightless.is_empty() {
             self.warnings.push(format!(

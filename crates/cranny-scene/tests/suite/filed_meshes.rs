@@ -79,7 +79,14 @@ fn an_open_mesh_weighs_what_its_hull_weighs_and_says_so() {
     assert!((mass.center - DVec3::splat(0.5)).length() < 1e-12);
     assert!((mass.inertia - DMat3::from_diagonal(DVec3::splat(0.5))).x_axis.length() < 1e-12);
     let said = loaded.warnings.join("\n");
-    for words in ["body \"a\"", "4 x open edge", "a surface", "convex hull", "mass: Total"] {
+    for words in [
+        "body \"a\"",
+        "4 x open edge",
+        "a surface",
+        "counter-clockwise",
+        "convex hull",
+        "mass: Total",
+    ] {
         assert!(said.contains(words), "{words}: {said}");
     }
     // What does not move needs no mass.

@@ -467,6 +467,14 @@ fn what_is_harmless_is_mended_and_said() {
             "link \"a\" states a mass and no inertia",
         ),
         (
+            urdf(&format!("<link name=\"a\">{}</link>", inertial(-3.7, "", [1.0; 3]))),
+            "line 3: link \"a\" states the mass -3.7, which is not above 0",
+        ),
+        (
+            urdf(&format!("<link name=\"a\">{}</link>", inertial(0.0, "", [1.0; 3]))),
+            "link \"a\" states the mass 0, which is not above 0",
+        ),
+        (
             urdf(&format!("<link name=\"a\">{}</link>", inertial(2.0, "", [1e-19, 0.1, 0.1]))),
             "which no body of 2 kg has",
         ),
@@ -492,6 +500,40 @@ fn what_is_harmless_is_mended_and_said() {
         (robot.joints[0].resistance.damping, robot.joints[0].resistance.friction),
         (0.5, 0.25)
     );
+}
+
+#[test]
+fn links_without_a_mass_are_named_with_the_density_that_they_get() {
+    let warnings = |said: &str| Files::new().loaded(&arm(), said).unwrap().warnings.join("\n");
+    let found = warnings("material: (density: 700)");
+    let says =
+        "links without a stated mass weigh what their collision geometry weighs at density 700";
+    assert!(found.contains(says), "{found}");
+    assert!(
+        found.contains("states the mass): \"b\", \"c\""),
+        "not the root, which stands: {found}"
+    );
+}
+
+#[test]
+fn visual_meshes_that_are_missing_are_one_note() {
+    let files = Files::new();
+    let notes = |links: &[&str]| {
+        let link = |name: &&str| {
+            format!(
+                "<link name=\"{name}\"><visual><geometry><mesh filename=\"{name}.stl\"/></geometry></visual></link>"
+            )
+        };
+        let links: String = links.iter().map(link).collect();
+        let joints: String = ["b", "c"].map(|child| joint(child, "fixed", "a", child, "")).concat();
+        let joints = if links.contains("\"c\"") { joints } else { String::new() };
+        files.read(&urdf(&format!("{links}{joints}"))).unwrap().notes
+    };
+    let one = notes(&["a"]);
+    assert!(one.len() == 1 && one[0].contains("is drawn without the mesh \"a.stl\""), "{one:?}");
+    let three = notes(&["a", "b", "c"]);
+    assert!(three.len() == 1 && three[0].contains("3 visual meshes were not found"), "{three:?}");
+    assert!(three[0].contains("the first is \"a.stl\" of link \"a\""), "{three:?}");
 }
 
 #[test]

@@ -482,6 +482,26 @@ fn an_orientation_is_written_in_one_of_three_ways() {
     assert!(both.contains("line 1") && both.contains("keep one"), "{both}");
 }
 
+/// A layer with a slip in it parts a body from all others.
+#[test]
+fn a_body_that_shares_no_layer_is_warned_of() {
+    let warnings = |layers: &[&str]| {
+        let body = |(index, layers): (usize, &&str)| {
+            format!("(name: \"{index}\", shape: Generator(Cuboid()), kind: Fixed, {layers})")
+        };
+        let bodies: Vec<String> = layers.iter().enumerate().map(body).collect();
+        parse(&format!("(bodies: [{}])", bodies.join(", "))).unwrap().warnings
+    };
+    let found = warnings(&["layers: [\"world\"]", "layers: [\"world\"]", "layers: [\"wrold\"]"]);
+    let [warning] = found.as_slice() else { panic!("{found:?}") };
+    assert!(warning.starts_with("body \"2\" shares no layer with any other body"), "{warning}");
+    assert!(warning.contains("[\"wrold\"]. Layers of other bodies are \"world\"."), "{warning}");
+    let none = warnings(&["", "", "layers: []"]);
+    assert!(none.len() == 1 && none[0].contains("its layers are []"), "{none:?}");
+    assert_eq!(warnings(&["layers: [\"a\", \"b\"]", "layers: [\"b\"]"]), [""; 0]);
+    assert_eq!(warnings(&["layers: [\"alone\"]"]), [""; 0], "nobody else is there");
+}
+
 #[test]
 fn a_sensor_that_no_effect_reads_is_warned_of() {
     let warnings = |gate: &str, ball: &str, rest: &str| {
@@ -500,7 +520,7 @@ fn a_sensor_that_no_effect_reads_is_warned_of() {
     ];
     for (gate, ball, rest) in unread {
         let found = warnings(gate, ball, rest);
-        let [warning] = found.as_slice() else { panic!("{gate} {ball} {rest}: {found:?}") };
+        let [warning, ..] = found.as_slice() else { panic!("{gate} {ball} {rest}: {found:?}") };
         assert!(warning.starts_with("body \"gate\" is a sensor, and no effect"), "{warning}");
     }
     let read = [

@@ -64,7 +64,8 @@ Output with --configurations: one JSON object a line for each configuration, in 
   pair            the links that are so near
   micros          time of the checks alone, without reading and preparing
 
-Boxes, spheres, cylinders and capsules of the file are checked as meshes inscribed in them, of 32 sides.
+A link whose only collision geometry is a box, a sphere, a cylinder or a capsule is checked exactly as that.
+Of a link with several, the round ones are checked as meshes inscribed in them, of 32 sides.
 Links without collision geometry take no part; where no link has any, visual meshes stand for it.
 
 Examples:

@@ -41,6 +41,9 @@ pub(super) fn named(path: &Path) -> String {
 }
 
 fn parse(text: &str) -> Result<Vec<JointPositions>, String> {
+    if without_mark(text).trim_start().starts_with('{') {
+        return Err("it begins with `{`: one configuration, where a list is wanted. Put it in brackets, as [{...}]".to_owned());
+    }
     let configurations: Vec<Configuration> =
         serde_json::from_str(without_mark(text)).map_err(|error| error.to_string())?;
     if configurations.is_empty() {
@@ -92,7 +95,7 @@ mod tests {
         for (text, says) in [
             ("", "line 1 column 0"),
             ("[]", "at least one"),
-            ("{}", "expected a sequence"),
+            ("{}", "one configuration, where a list is wanted. Put it in brackets"),
             ("[{\"elbow\":\n\"bent\"}]", "line 2"),
             ("[{\"elbow\": 1e999}]", "out of range"),
             ("[{},\n{\"a\": 1, \"b\": 0, \"a\": 2}]", "\"a\" is named twice, with 1 and 2. Keep"),

@@ -128,3 +128,33 @@ fn wrong_input_is_refused() {
     let undrawn = run(&["replay", &path, "--camera", "front"]);
     undrawn.assert_refused(2, &["--camera front", "Add --render"]);
 }
+
+/// A preset that a camera shares its name with is listed once.
+#[test]
+fn a_recording_keeps_the_scenes_cameras() {
+    let folder = Folder::new();
+    let cameras = "cameras: [(name: \"front\", preset: Front), \
+        (name: \"near\", look_at: (eye: (3, -3, 2), target: (0, 0, 1)))], effects: [";
+    let scene = folder.write("seen.ron", DROP.replace("effects: [", cameras));
+    let recording = argument(&folder.path("seen.mcap"));
+    assert_eq!(run(&["run", &scene, "--record", &recording]).code, Some(0));
+    let picture = argument(&folder.path("near.png"));
+    let drawn = |camera: &str| {
+        run(&["replay", &recording, "--at", "0.5", "--render", &picture, "--camera", camera])
+    };
+    let outcome = drawn("near");
+    if outcome.stderr.contains("no graphics adapter") {
+        return;
+    }
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    drawn("far").assert_refused(2, &["Choose one of front, near, isometric, side, top"]);
+}
+
+#[test]
+fn a_time_beyond_the_recording_is_refused() {
+    let folder = Folder::new();
+    let path = recorded(&folder);
+    let says = "--at 99: the recording runs from 0 to 1 s";
+    run(&["replay", &path, "--at", "99"]).assert_refused(2, &[says]);
+    assert_eq!(run(&["replay", &path, "--at", "1.0001"]).code, Some(0));
+}

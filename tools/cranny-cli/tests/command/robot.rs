@@ -229,7 +229,7 @@ fn what_is_no_robot_and_no_configuration_is_refused() {
         let q = folder.write("q.json", text);
         run(&["robot", &urdf, "--configurations", &q]).assert_refused(2, words);
     };
-    refused("{}", &["q.json", "line 1", "list of"]);
+    refused("{}", &["q.json", "brackets", "list of"]);
     refused("[]", &["at least one"]);
     refused("[{\"slide\": 1,\n\"slide\": 2}]", &["line 2", "\"slide\" is named twice"]);
     refused(r#"[{}, {"elbow": 1}]"#, &["configuration 1", "\"elbow\"", "movable joints are slide"]);
@@ -243,4 +243,11 @@ fn what_is_no_robot_and_no_configuration_is_refused() {
     run(&["robot", &urdf, "--srdf", &srdf]).assert_refused(2, &["r.srdf", "line 2", "link2"]);
     let alone = run(&["robot", &urdf, "--distance"]);
     assert!(alone.code == Some(2) && alone.stderr.contains("--configurations"), "{alone:?}");
+}
+
+#[test]
+fn an_srdf_file_in_place_of_the_robot_is_refused_with_the_option() {
+    let folder = Folder::new();
+    let srdf = folder.write("arm.srdf", "<robot name=\"arm\"/>");
+    run(&["robot", &srdf]).assert_refused(2, &["arm.srdf", "Name the URDF", "--srdf"]);
 }

@@ -73,7 +73,7 @@ fn check_and_run_name_what_overlaps_at_the_start() {
         "bodies: [(name: \"block\", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (0.75, 0, 0))), ",
     );
     let scene = folder.write("s.ron", two);
-    let says = "\"block\" and \"stone\" overlap by 0.250000 at the start";
+    let says = "\"block\" and \"stone\" overlap by up to 0.250000 at the start";
     let checked = &run(&["check", &scene, "--format", "json"]).json_lines()[0];
     assert!(checked["warnings"][0].as_str().unwrap().starts_with(says), "{checked}");
     let ran = run(&["run", &scene, "--verbose"]);
