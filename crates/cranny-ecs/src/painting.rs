@@ -235,8 +235,8 @@ impl ScenePainter {
         self.render(renderer, &list, &camera, size).map_err(failed)
     }
 
-    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion): moments in
-    /// the order of time.
+    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion): moments
+    /// in the order of time.
     pub fn follow(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
         self.trails.note(time, poses);
     }

@@ -168,7 +168,7 @@ pub struct PointProjection {
 /// When two bodies meet as they move now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeOfImpact {
-    /// Certified: not within the time of the question.
+    /// Not within the time of the question: certified between meshes.
     None,
     /// Seconds from now: free until then, met to rounding then. 0 where they meet already.
     At(f64),

@@ -52,9 +52,9 @@ pub struct RunSummary {
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
     /// each step, and at the end where a scene has `Contacts`: of regions where somebody
-    /// [reads](crate::ContactReaders) them, otherwise of contacts. Pairs with a sensor do not count.
-    /// A pair that cannot be deeper than the deepest so far is not searched for it. Depth 0 and no names where nothing
-    /// overlapped; `None` where no exact answer has depths.
+    /// [reads](crate::ContactReaders) them, otherwise of contacts. Pairs with a sensor do not
+    /// count. A pair that cannot be deeper than the deepest so far is not searched for it. Depth 0
+    /// and no names where nothing overlapped; `None` where no exact answer has depths.
     pub deepest: Option<DeepestSummary>,
     /// The first overlap of all, deepest of its step or not; `None` where there was none, or no
     /// exact answer has depths.

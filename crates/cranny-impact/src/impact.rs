@@ -58,10 +58,10 @@ pub struct ImpactOptions {
     /// smallest feature suits most scenes; finer costs little. Less than rounding
     /// permits (about 1e-12 of the lengths involved) is raised to that.
     pub tolerance: f64,
-    /// Where this is set, a meeting that goes on to no more than so deep until time 1 is passed over,
-    /// and the search goes on for others: what slides along a floor, or parts from it, is held by a
-    /// wall of the same body and not by the floor. Surfaces that meet at time 0 are searched then,
-    /// too; only what lies wholly within the other meets it at once.
+    /// Where this is set, a meeting that goes on to no more than so deep until time 1 is passed
+    /// over, and the search goes on for others: what slides along a floor, or parts from it, is
+    /// held by a wall of the same body and not by the floor. Surfaces that meet at time 0 are
+    /// searched then, too; only what lies wholly within the other meets it at once.
     pub shallow: Option<f64>,
     /// Elementary tests (pairs of boxes, pairs of faces, boxes of parameters) that may be made.
     /// Default: [`ImpactOptions::DEFAULT_BUDGET`].

@@ -1,9 +1,9 @@
 //! Several bodies that move at once: how far each goes before any of them meets another.
 //!
 //! Of bodies that meet, those are held back, to the earliest of their meetings, that would meet
-//! otherwise; as that changes ways, they are held against each other again. What has not come to an
-//! end after [`ROUNDS`] stops at one common time, up to which nothing met anything, and so does what
-//! meets it then.
+//! otherwise; as that changes ways, they are held against each other again. What has not come to
+//! an end after [`ROUNDS`] stops at one common time, up to which nothing met anything, and so does
+//! what meets it then.
 
 use std::collections::BTreeMap;
 
@@ -91,9 +91,9 @@ pub fn shorten<B: Copy + Ord>(
     settling.settle(pairs, gives_way, meeting);
 }
 
-/// Which of two that meet has to be held at a share of its motion: the one that goes farther, or the
-/// other one, where they do not meet then; else both. A body that runs after another does not stop
-/// it.
+/// Which of two that meet has to be held at a share of its motion: the one that goes farther, or
+/// the other one, where they do not meet then; else both. A body that runs after another does not
+/// stop it.
 fn needed(motions: [Motion; 2], share: f64, are_free: impl Fn([Motion; 2]) -> bool) -> [bool; 2] {
     let held = |k: usize| {
         let mut motions = motions;

@@ -40,7 +40,7 @@ pub(crate) fn at_start(scene: &SceneDescription) -> Vec<StartOverlap> {
         .into_iter()
         .filter_map(|(a, b)| {
             let [a, b] = [a, b].map(|body| &scene.bodies[body]);
-            let Overlap { depth, inner } = overlap([a, b])?;
+            let FoundOverlap { depth, inner } = overlap([a, b])?;
             let inner = inner.map(|inner| [a, b][inner].name.clone());
             let [a, b] = [a, b].map(|body| body.name.clone());
             let known = Some(depth).filter(|depth| depth.is_finite());
@@ -138,14 +138,14 @@ fn boxes(scene: &SceneDescription) -> Vec<Aabb> {
 }
 
 /// How deep two bodies overlap, infinite where one lies in the other, and which of them does.
-struct Overlap {
+struct FoundOverlap {
     depth: f64,
     inner: Option<usize>,
 }
 
 /// The overlap of two bodies, if deep enough to tell. Of a mesh that cannot be prepared nothing is
 /// known: a run says why.
-fn overlap([a, b]: [&BodyDescription; 2]) -> Option<Overlap> {
+fn overlap([a, b]: [&BodyDescription; 2]) -> Option<FoundOverlap> {
     let question = Query::of(Demand::Regions { margin: 0.0 });
     let answer =
         query_shapes(placed(a)?, placed(b)?, &question, &mut PairMemory::default()).ok()?;
@@ -156,7 +156,7 @@ fn overlap([a, b]: [&BodyDescription; 2]) -> Option<Overlap> {
         Containment::BInA => 1,
     });
     let is_deep = depth > SHALLOW * diagonal(a).min(diagonal(b));
-    is_deep.then_some(Overlap { depth, inner })
+    is_deep.then_some(FoundOverlap { depth, inner })
 }
 
 fn placed(body: &BodyDescription) -> Option<PlacedShape<'_>> {

@@ -87,7 +87,7 @@ struct Thrown {
     behind: usize,
     /// Were still held back at the end.
     hanging: usize,
-    /// The deepest overlap of two meshes where one was held back, as a part of the wall's thickness.
+    /// The deepest overlap of two meshes where one was held back, in thicknesses of the wall.
     deepest: f64,
 }
 
