@@ -255,50 +255,71 @@ fn meeting_of(
     }
 }
 
-/// The meeting at a moment of two faces of which one is pierced by a side of the other: along the
-/// normal of the pierced one; where both are, of that along which they deepen less.
+/// The meeting at a moment of two faces that pass through each other: along the normal of one of
+/// which the other is behind by no more than `depth`, or less far; where both serve, of that along
+/// which they deepen less.
 pub(crate) fn crossing(
     bodies: &Bodies,
     faces: (FaceId, FaceId),
     moment: &Moment,
+    depth: f64,
 ) -> Option<FaceHit> {
     let arms = arms(bodies, faces, moment);
     let triangles = [arms[0], arms[1].map(|arm| arm + moment.offset)];
-    let normal = |side: usize| {
-        let [a, b, c] = triangles[side];
-        (b - a).cross(c - a).try_normalize()
-    };
     let pierced = |side: usize| {
         let [p, q, r] = triangles[1 - side];
         [[p, q], [q, r], [r, p]].iter().any(|ends| pierces(ends, &triangles[side]))
     };
+    if !pierced(0) && !pierced(1) {
+        return None;
+    }
     let nearest = triangle_distance(&triangles[0], &triangles[1]);
     let by_depth = |p: &FaceHit, q: &FaceHit| {
         deepening(bodies, faces, p).total_cmp(&deepening(bodies, faces, q))
     };
     let hit =
         |facing| FaceHit { facing, distance: 0.0, ..meeting_of(bodies, faces, moment, &nearest) };
-    let out_of = |side: usize| {
-        let facing = if side == 0 { normal(0)? } else { -normal(1)? };
+    // How far the other face is behind a side's, and the meeting along its normal.
+    let along = |side: usize| {
+        let [a, b, c] = triangles[side];
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        let behind = triangles[1 - side].map(|p| normal.dot(a - p)).into_iter().fold(0.0, f64::max);
+        let facing = if side == 0 { normal } else { -normal };
         // A face of an open mesh is met from both sides.
         let is_closed = bodies.model(Side::BOTH[side]).mass_properties().is_some();
         let other = (!is_closed).then(|| hit(-facing));
-        [Some(hit(facing)), other].into_iter().flatten().max_by(by_depth)
+        let met = [Some(hit(facing)), other].into_iter().flatten().max_by(by_depth)?;
+        Some((behind, met))
     };
-    [0, 1].into_iter().filter(|&side| pierced(side)).filter_map(out_of).min_by(by_depth)
+    let sides: Vec<(f64, FaceHit)> = [0, 1].into_iter().filter_map(along).collect();
+    let least = sides.iter().map(|(behind, _)| *behind).fold(f64::INFINITY, f64::min);
+    let serving = sides.into_iter().filter(|(behind, _)| *behind <= depth.max(least));
+    serving.map(|(_, met)| met).min_by(by_depth)
+}
+
+/// Whether two faces of solids look away from each other where they meet: each is behind the other,
+/// and they part as they go through.
+pub(crate) fn are_inside(bodies: &Bodies, faces: (FaceId, FaceId), hit: &FaceHit) -> bool {
+    let are_closed = Side::BOTH.iter().all(|&side| bodies.model(side).mass_properties().is_some());
+    if hit.distance <= bodies.rounding || !are_closed {
+        return false;
+    }
+    let [first, second] = corners(bodies, faces, &bodies.at(hit.time))
+        .map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
+    hit.normal.dot(first) < 0.0 && hit.normal.dot(second) > 0.0
 }
 
 /// Whether a segment passes through a triangle, to rounding.
 fn pierces([p, q]: &[DVec3; 2], [a, b, c]: &[DVec3; 3]) -> bool {
     let normal = (*b - *a).cross(*c - *a);
     let [from, to] = [*p, *q].map(|end| normal.dot(end - *a));
-    if from * to > 0.0 || from == to {
+    if from * to >= 0.0 {
         return false;
     }
     let at = *p + (*q - *p) * (from / (from - to));
     [[a, b], [b, c], [c, a]]
         .iter()
-        .all(|[from, to]| (**to - **from).cross(at - **from).dot(normal) >= 0.0)
+        .all(|[from, to]| (**to - **from).cross(at - **from).dot(normal) > 0.0)
 }
 
 /// How much deeper two faces come from where they meet until time 1, at most, along the normal that
@@ -318,11 +339,13 @@ fn deepening_along(
         .map(|side| arms[side.index()].map(|arm| bodies.spin(side).cross(arm).dot(facing)));
     let [fastest, slowest] =
         [first, second.map(|v| -v)].map(|v| v.into_iter().fold(f64::MIN, f64::max));
-    // Half the acceleration of each, |turn|² r.
+    // Half the acceleration of each along the normal.
     let curved: f64 = Side::BOTH
         .map(|side| {
-            let arm = arms[side.index()].map(|arm| arm.length()).into_iter().fold(0.0, f64::max);
-            0.5 * bodies.spin(side).length_squared() * arm
+            let spin = bodies.spin(side);
+            let speed = |arm: &DVec3| spin.cross(*arm).length();
+            let fastest = arms[side.index()].iter().map(speed).fold(0.0, f64::max);
+            0.5 * spin.cross(facing).length() * fastest
         })
         .iter()
         .sum();

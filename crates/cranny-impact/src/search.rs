@@ -18,7 +18,7 @@ use cranny_narrow_phase::Witness;
 use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
-use crate::faces::{FaceHit, Next, crossing, deepening, settle};
+use crate::faces::{FaceHit, Next, are_inside, crossing, deepening, settle};
 use crate::impact::{Hit, Impact, ImpactCounters, ImpactOptions};
 use crate::reach::boxes_apart;
 
@@ -182,17 +182,19 @@ impl Search<'_> {
 
     /// Whether a meeting is too shallow to count.
     fn passes_over(&self, faces: (FaceId, FaceId), meeting: &FaceHit) -> bool {
-        let deepest = || deepening(self.bodies, faces, meeting);
-        self.shallow.is_some_and(|depth| deepest() <= depth)
+        let is_shallow = |depth| {
+            are_inside(self.bodies, faces, meeting)
+                || deepening(self.bodies, faces, meeting) <= depth
+        };
+        self.shallow.is_some_and(is_shallow)
     }
 
     /// Settles a pair of faces from a moment on.
     fn faces(&mut self, f: FaceId, g: FaceId, moment: &Moment) {
         let end = self.end();
         // Surfaces that cross are searched where shallow meetings are passed over.
-        let crosses = (moment.time == 0.0 && self.shallow.is_some())
-            .then(|| crossing(self.bodies, (f, g), moment));
-        let next = match crosses.flatten() {
+        let shallow = self.shallow.filter(|_| moment.time == 0.0);
+        let next = match shallow.and_then(|depth| crossing(self.bodies, (f, g), moment, depth)) {
             Some(meeting) => Next::Met { lower: 0.0, meeting },
             None => settle(self.bodies, (f, g), moment, end, self.tolerance, &mut self.counters),
         };

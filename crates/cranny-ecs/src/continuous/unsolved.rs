@@ -132,7 +132,12 @@ impl<'a> Traffic<'a> {
         let shapes = pair.map(|body| self.shape(body));
         let ends = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
         let sizes = shapes.map(size);
-        let travel = motions[0].travel.distance(motions[1].travel);
+        let travels = [0, 1].map(|k| {
+            let turn = motions[k].turn.length();
+            let turned = if sizes[k].is_finite() { turn * sizes[k] } else { 0.0 };
+            motions[k].travel.length() + turned
+        });
+        let travel = travels[0].max(travels[1]);
         let options = ImpactOptions {
             shallow: Some(SLIDING * travel),
             ..ImpactOptions::within(NEAR * sizes[0].min(sizes[1]))

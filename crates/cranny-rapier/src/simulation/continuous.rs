@@ -231,7 +231,9 @@ impl Simulation {
             f64::from(tagged.thickness.min(tagged.radius))
         });
         let thin = sizes[0].min(sizes[1]);
-        let shallow = Some(SHALLOW * thin);
+        // Surfaces without a volume have no depth.
+        let is_solid = |body: BodyIndex| self.tagged[body.0 as usize].thickness.is_finite();
+        let shallow = Some(if pair.into_iter().any(is_solid) { SHALLOW * thin } else { 0.0 });
         let options = ImpactOptions { tolerance: NEAR * thin, shallow, budget: BUDGET };
         let_until(ends, &options)
     }
