@@ -286,7 +286,7 @@ pub(crate) fn crossing(
         let behind = triangles[1 - side].map(|p| normal.dot(a - p)).into_iter().fold(0.0, f64::max);
         let facing = if side == 0 { normal } else { -normal };
         // A face of an open mesh is met from both sides.
-        let is_closed = bodies.model(Side::BOTH[side]).mass_properties().is_some();
+        let is_closed = is_closed(bodies, Side::BOTH[side]);
         let other = (!is_closed).then(|| hit(-facing));
         let met = [Some(hit(facing)), other].into_iter().flatten().max_by(by_depth)?;
         Some((behind, met))
@@ -297,16 +297,78 @@ pub(crate) fn crossing(
     serving.map(|(_, met)| met).min_by(by_depth)
 }
 
-/// Whether two faces of solids look away from each other where they meet: each is behind the other,
-/// and they part as they go through.
+/// A face that turns from the way of a meeting by no more than this, as a cosine, stands along it.
+/// Smaller: rounding of poses has a side that stands square to a floor look away from it; larger: a
+/// slanting front passes for a side.
+const SQUARE: f64 = 1e-6;
+
+/// Whether two faces of solids look away from each other where they meet, or one stands along the
+/// way: each is behind the other, and they part as they go through.
 pub(crate) fn are_inside(bodies: &Bodies, faces: (FaceId, FaceId), hit: &FaceHit) -> bool {
-    let are_closed = Side::BOTH.iter().all(|&side| bodies.model(side).mass_properties().is_some());
-    if hit.distance <= bodies.rounding || !are_closed {
+    if hit.distance <= bodies.rounding || !are_closed(bodies) {
         return false;
     }
-    let [first, second] = corners(bodies, faces, &bodies.at(hit.time))
-        .map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
-    hit.normal.dot(first) < 0.0 && hit.normal.dot(second) > 0.0
+    let moment = bodies.at(hit.time);
+    let normals = [(Side::First, faces.0), (Side::Second, faces.1)]
+        .map(|(side, face)| normal_at(bodies, side, face, &moment));
+    let [Some(first), Some(second)] = normals else { return false };
+    let (of_first, of_second) = (-hit.normal.dot(first), hit.normal.dot(second));
+    of_first.min(of_second) > -SQUARE && of_first.max(of_second) > SQUARE
+}
+
+/// Sine of the angle between faces that are one plane. Smaller: rounding of corners makes an edge
+/// of it; larger: facets of a curved surface pass for one.
+const FLAT: f64 = 1e-9;
+
+/// How much deeper two faces come that meet at a side or a corner across which one of them goes on
+/// in its plane, towards the other: the place that is nearest there is not this one, and what
+/// counts is the plane's normal. `None` where neither goes on.
+pub(crate) fn deepening_of_plane(
+    bodies: &Bodies,
+    faces: (FaceId, FaceId),
+    hit: &FaceHit,
+) -> Option<f64> {
+    let moment = bodies.at(hit.time);
+    let facing = Side::BOTH.into_iter().find_map(|side| {
+        let (face, sign) = [(faces.0, 1.0), (faces.1, -1.0)][side.index()];
+        let (at, feature) = hit.witnesses[side.index()];
+        let plane = normal_at(bodies, side, face, &moment)?;
+        let topology = bodies.model(side).topology();
+        let around: Vec<FaceId> = match feature {
+            Feature::Edge(edge) => {
+                topology.half_edges(edge).iter().map(|half| half.face()).collect()
+            }
+            Feature::Vertex(vertex) => topology.faces_at(vertex).to_vec(),
+            _ => Vec::new(),
+        };
+        let goes_on = |&other: &FaceId| {
+            let normal = normal_at(bodies, side, other, &moment);
+            let is_flat =
+                normal.is_some_and(|n| n.cross(plane).length() < FLAT && n.dot(plane) > 0.0);
+            let corners = bodies.triangle(side, other, &moment);
+            let is_nearer = |corner: &DVec3| {
+                let way = *corner - at;
+                sign * way.dot(hit.normal) > SQUARE * way.length()
+            };
+            other != face && is_flat && corners.iter().any(is_nearer)
+        };
+        around.iter().any(goes_on).then_some(sign * plane)
+    });
+    facing.map(|facing| deepening_along(bodies, faces, &moment, facing))
+}
+
+/// Whether a body's faces have an outer side.
+fn is_closed(bodies: &Bodies, side: Side) -> bool {
+    bodies.model(side).mass_properties().is_some()
+}
+
+fn are_closed(bodies: &Bodies) -> bool {
+    Side::BOTH.iter().all(|&side| is_closed(bodies, side))
+}
+
+fn normal_at(bodies: &Bodies, side: Side, face: FaceId, moment: &Moment) -> Option<DVec3> {
+    let [a, b, c] = bodies.triangle(side, face, moment);
+    (b - a).cross(c - a).try_normalize()
 }
 
 /// Whether a segment passes through a triangle, to rounding.
@@ -361,22 +423,15 @@ fn facing(
     nearest: &Nearest,
     normal: DVec3,
 ) -> DVec3 {
-    let are_closed = Side::BOTH.iter().all(|&side| bodies.model(side).mass_properties().is_some());
-    if nearest.squared.sqrt() > bodies.rounding || !are_closed {
+    if nearest.squared.sqrt() > bodies.rounding || !are_closed(bodies) {
         return normal;
     }
     let [first, second] =
         corners(bodies, faces, moment).map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
-    let outward = first - second;
-    let has_normal = match nearest.parts {
-        [Part::Inside, _] | [_, Part::Inside] => true,
-        [Part::Edge(_), Part::Edge(_)] => normal.dot(outward) != 0.0,
-        _ => false,
-    };
-    if has_normal {
-        return if normal.dot(outward) < 0.0 { -normal } else { normal };
+    if nearest.parts.iter().any(|part| matches!(part, Part::Inside)) {
+        return if normal.dot(first - second) < 0.0 { -normal } else { normal };
     }
-    // At a corner, faces slide past each other along either.
+    // At a corner or at two sides, faces slide past each other along either.
     let deepest = |facing: &DVec3| deepening_along(bodies, faces, moment, *facing);
     let sides = [first, -second].into_iter().filter(|facing| *facing != DVec3::ZERO);
     sides.min_by(|p, q| deepest(p).total_cmp(&deepest(q))).unwrap_or(normal)

@@ -82,7 +82,8 @@ impl ImpactOptions {
 /// When and where two moving bodies meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Impact {
-    /// Certified: the surfaces share no point from time 0 to 1, ends included.
+    /// Certified: the surfaces share no point from time 0 to 1, ends included; with
+    /// [`ImpactOptions::shallow`], no meeting is deeper than that.
     None,
     /// They meet at time 0: the surfaces share a point, or one body lies inside the other. With
     /// [`ImpactOptions::shallow`], the latter alone.
@@ -96,7 +97,7 @@ pub enum Impact {
     Hit(Hit),
     /// The budget was spent.
     Open {
-        /// Certified free before this; unknown from then on, to time 1.
+        /// Certified free before this, but for shallow meetings; unknown from then on, to time 1.
         free_before: f64,
     },
 }
@@ -104,7 +105,8 @@ pub enum Impact {
 /// A first meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The surfaces share no point before `lo`; at `hi` they are within the tolerance. The two are
+    /// The surfaces share no point before `lo`, but for shallow meetings that are passed over; at
+    /// `hi` they are within the tolerance. The two are
     /// most often neighbouring numbers; they differ where the budget was spent on what may be
     /// earlier.
     pub time: Interval,

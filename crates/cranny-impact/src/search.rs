@@ -18,7 +18,7 @@ use cranny_narrow_phase::Witness;
 use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
-use crate::faces::{FaceHit, Next, are_inside, crossing, deepening, settle};
+use crate::faces::{FaceHit, Next, are_inside, crossing, deepening, deepening_of_plane, settle};
 use crate::impact::{Hit, Impact, ImpactCounters, ImpactOptions};
 use crate::reach::boxes_apart;
 
@@ -185,6 +185,7 @@ impl Search<'_> {
         let is_shallow = |depth| {
             are_inside(self.bodies, faces, meeting)
                 || deepening(self.bodies, faces, meeting) <= depth
+                || deepening_of_plane(self.bodies, faces, meeting).is_some_and(|d| d <= depth)
         };
         self.shallow.is_some_and(is_shallow)
     }

@@ -40,7 +40,8 @@ pub enum Swept {
     Hit {
         /// Free until then.
         time: f64,
-        /// On the second shape, in world coordinates.
+        /// On the second shape, in world coordinates; its origin where a primitive touches another
+        /// shape at the beginning.
         point: DVec3,
         /// Unit, from the first to the second.
         normal: DVec3,

@@ -543,3 +543,29 @@ fn half_spaces_hold_what_is_named() {
         }
     }
 }
+
+/// What has sunk into a floor a little leaves it, and slides over its triangles.
+#[test]
+fn what_has_sunk_in_leaves_and_slides_over_a_fine_floor() {
+    let floor = cranny_shapes::Floor { size: [40.0, 4.0, 0.2], squares: [160, 16] };
+    let floor = built(floor.build().unwrap());
+    let top = floor.bounds().max.z;
+    let cube = cuboid(1.0, 1.0, 1.0);
+    let slanting = [DVec3::new(1.0, 0.5, 15.0), DVec3::new(15.0, 1.0, 0.0)];
+    for velocity in [DVec3::Z * 12.0, DVec3::X * 15.0, slanting[0], slanting[1]] {
+        let moved = |named: bool| {
+            let mut simulation = world();
+            let ground = BodySpec { friction: 0.0, ..spec(&floor, BodyKind::Fixed, DVec3::ZERO) };
+            simulation.insert(&ground).unwrap();
+            let at = DVec3::new(-15.0, 0.1, top + 0.5 - 1e-3);
+            let body = BodySpec { friction: 0.0, ..flying(&cube, at, velocity) };
+            let body = simulation.insert(&body).unwrap();
+            simulation.set_continuous(body, named);
+            (0..60).for_each(|_| simulation.step());
+            simulation.pose(body).translation - at
+        };
+        let (named, unnamed) = (moved(true), moved(false));
+        let apart = named.distance(unnamed);
+        assert!(apart < 0.02 * unnamed.length(), "{velocity}: {named}, not {unnamed}");
+    }
+}
