@@ -35,7 +35,7 @@ pub enum RerunError {
     /// Rerun's library refused something.
     #[error("{what} cannot be told to Rerun: {source}")]
     Stream {
-        /// What was being told.
+        /// What was being written.
         what: String,
         /// Why.
         source: Box<RecordingStreamError>,

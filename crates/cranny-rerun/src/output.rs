@@ -17,7 +17,7 @@ use crate::source::Source;
 use crate::stream::Stream;
 use crate::{bodies, contacts, layout, notes, plots};
 
-/// The address at which Rerun's viewer listens unless told otherwise.
+/// The address at which Rerun's viewer listens by default.
 pub const DEFAULT_VIEWER: &str = re_sdk::DEFAULT_CONNECT_URL;
 
 /// By this name the viewer keeps what people change of the layout.
@@ -108,7 +108,7 @@ fn builder(source: &Source) -> RecordingStreamBuilder {
 }
 
 fn tell(to: &RecordingStream, recording: &Recording, source: &Source) -> Result<(), RerunError> {
-    // No clock is told.
+    // No clock is in the file.
     to.set_log_time_enabled(false);
     to.set_log_tick_enabled(false);
     let scene = recording.metadata(topic::METADATA).and_then(|said| said.get("scene"));
