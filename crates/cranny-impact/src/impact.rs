@@ -185,8 +185,8 @@ pub fn time_of_impact(
         &mut PairMemory::default(),
     )?;
     let crosses = start.surface != Surface::None;
-    let counts = options.shallow.is_none() || start.contained.is_some();
-    if (crosses || start.solid) && (counts || !crosses) {
+    let is_searched = crosses && options.shallow.is_some() && start.contained.is_none();
+    if (crosses || start.solid) && !is_searched {
         let impact = Impact::Initially { surface: start.surface, contained: start.contained };
         return Ok((impact, ImpactCounters::default()));
     }

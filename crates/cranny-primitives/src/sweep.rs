@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use crate::between::{PlacedShape, ShapeQueryError, query_shapes};
 use crate::primitive::{Ball, Checked, HalfSpace, Primitive, PrimitiveError};
+use crate::revolved::Revolved;
 use crate::separation::{Found, found};
 use crate::shape::BodyShape;
 use crate::turning_cast::{TurningCast, turning_along};
@@ -34,7 +35,7 @@ pub struct MovingShape<'a> {
 pub enum Swept {
     /// Nowhere.
     Free,
-    /// They touch at the beginning.
+    /// They touch at the beginning; with [`ImpactOptions::shallow`], one begins within the other.
     Initially,
     /// For the first time.
     Hit {
@@ -86,13 +87,19 @@ pub fn first_meeting(
                 .map(|(model, motion)| Moving { model, motion });
             Ok(certified(a, b, options)?)
         }
-        (BodyShape::Model(model), BodyShape::Primitive(primitive)) => {
-            beside(model, a.motion, primitive, b.motion, options)
-        }
-        (BodyShape::Primitive(primitive), BodyShape::Model(model)) => {
-            let found = beside(model, b.motion, primitive, a.motion, options)?;
-            Ok(with_primitive_first(found))
-        }
+        (BodyShape::Model(model), BodyShape::Primitive(primitive)) => match primitive.checked()? {
+            Checked::HalfSpace(_) => advanced(a, b, options),
+            Checked::Round(solid) => {
+                beside((model, a.motion), (primitive, &solid, b.motion), options)
+            }
+        },
+        (BodyShape::Primitive(primitive), BodyShape::Model(model)) => match primitive.checked()? {
+            Checked::HalfSpace(_) => advanced(a, b, options),
+            Checked::Round(solid) => {
+                let found = beside((model, b.motion), (primitive, &solid, a.motion), options)?;
+                Ok(with_primitive_first(found))
+            }
+        },
         (BodyShape::Primitive(_), BodyShape::Primitive(_)) => advanced(a, b, options),
     }
 }
@@ -184,23 +191,12 @@ fn without_idle_turn(moving: MovingShape<'_>) -> MovingShape<'_> {
     }
 }
 
-/// Of a model, which is the first, and a primitive.
+/// Of a model, which is the first, and a primitive, which is that solid.
 fn beside(
-    model: &Model,
-    of_model: Motion,
-    primitive: &Primitive,
-    own: Motion,
+    (model, of_model): (&Model, Motion),
+    (primitive, solid, own): (&Primitive, &Revolved, Motion),
     options: &ImpactOptions,
 ) -> Result<Swept, SweepError> {
-    let solid = match primitive.checked()? {
-        Checked::Round(solid) => solid,
-        Checked::HalfSpace(_) => {
-            let shapes = [BodyShape::from(model), BodyShape::from(*primitive)];
-            let [a, b] = [(&shapes[0], of_model), (&shapes[1], own)]
-                .map(|(shape, motion)| MovingShape { shape, motion });
-            return advanced(a, b, options);
-        }
-    };
     let place = of_model.start.inverse().compose(&own.start);
     match found(model, &primitive.moved(&place.world_from_body()), 0.0)? {
         Found::Inside => return Ok(Swept::Initially),
@@ -209,7 +205,6 @@ fn beside(
     }
     let reach = primitive.radius_about(own.pivot);
     let ImpactOptions { tolerance, shallow, .. } = *options;
-    let solid = &solid;
     Ok(TurningCast { model, of_model, solid, own, reach, tolerance, shallow }.first())
 }
 

@@ -1,4 +1,4 @@
-//! When a primitive that turns, or beside which a model turns, first meets the model.
+//! When a primitive and a model that travel and turn first meet.
 //!
 //! A face and a primitive are convex, so a plane across the way between their nearest points parts
 //! them. Until their distance is spent by what moves them along its normal, they do not meet: by
