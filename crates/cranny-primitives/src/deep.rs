@@ -13,6 +13,9 @@
 //! Along it the body of the lesser volume, or the one inside, is led by three contacts that do not
 //! turn it ([`percussion_centers`]). The solver sets how fast: it should correct by a bounded
 //! velocity, and take that velocity away again.
+//!
+//! A way that nothing else touches lasts while the body goes on along it ([`lasts`]): its leads
+//! ride with the bodies, and no search is needed meanwhile.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{FaceId, Model};
@@ -31,6 +34,11 @@ const DEEP: f64 = 0.5;
 /// The greatest depth of a contact that leads out, as a share of the thinner body's thickness.
 /// Larger: the body shoots out; smaller: it takes longer.
 const LED_DEPTH: f64 = 0.15;
+
+/// The drift through which the leads of a way out stay as they are, as a share of the thinner
+/// body's thickness. Larger: the body goes on along a direction that is no longer its overlap's,
+/// and is led on where it has come out by as much; smaller: it is searched for in each step.
+const LASTS: f64 = 0.05;
 
 /// Cosine of the angle (105 degrees) up to which what else touches leaves the way out free. Larger:
 /// what bears on a side at a right angle comes and goes by rounding; smaller: the far side holds
@@ -54,7 +62,41 @@ pub fn deep(thickness: f64) -> f64 {
     DEEP * thickness
 }
 
-/// Contacts by which a solver leads two bodies out of each other, in place of an answer's own;
+/// How far two bodies may drift from where a way out was found and still be led along it.
+#[must_use]
+pub fn lasts(thickness: f64) -> f64 {
+    LASTS * thickness
+}
+
+/// A lead as a solver gets it: no deeper than a share of the lesser thickness, or the body would
+/// shoot out.
+#[must_use]
+pub fn eased(lead: Contact, thickness: f64) -> Contact {
+    let separation = lead.separation.max(-LED_DEPTH * thickness);
+    Contact { point_b: lead.point_a + lead.normal * separation, separation, ..lead }
+}
+
+/// Contacts that lead two bodies out of each other, in the first body's frame.
+#[derive(Clone, Debug, Default)]
+pub struct WayOut {
+    /// Three for each overlap, as deep as it is.
+    pub leads: Vec<Contact>,
+    /// What else touches, and leaves the way free.
+    pub beside: Vec<Contact>,
+}
+
+impl WayOut {
+    /// As a solver gets them: leads [`eased`], the deepest first.
+    #[must_use]
+    pub fn contacts(&self, thickness: f64) -> Vec<Contact> {
+        let leads = self.leads.iter().map(|&lead| eased(lead, thickness));
+        let mut contacts: Vec<Contact> = leads.chain(self.beside.iter().copied()).collect();
+        contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id)));
+        contacts
+    }
+}
+
+/// The way by which a solver leads two bodies out of each other, in place of an answer's contacts;
 /// `None` where those do. All is in the first body's frame: `answer` is one of at least
 /// [`Demand::Contacts`] about the first model at the origin and the second one at the pose, with
 /// [penetrations from](cranny_narrow_phase::Query::penetrations_from) [`deep`] on.
@@ -69,14 +111,14 @@ pub fn way_out(
     first_from_second: &Pose,
     answer: &Answer,
     memory: &mut PairMemory,
-) -> Result<Option<Vec<Contact>>, QueryError> {
+) -> Result<Option<WayOut>, QueryError> {
     let pose = first_from_second;
     if !answer.solid {
         return Ok(None);
     }
-    let most = LED_DEPTH * thickness;
     if let Some(contained) = answer.contained {
-        return out_of_a_solid(models, pose, contained, most, memory);
+        let leads = out_of_a_solid(models, pose, contained, memory)?;
+        return Ok(leads.map(|leads| WayOut { leads: leads.to_vec(), beside: Vec::new() }));
     }
     let deep = deep(thickness);
     if answer.contacts.iter().all(|c| -c.separation < deep) {
@@ -88,28 +130,21 @@ pub fn way_out(
         return Ok(None);
     };
     let way = shortest.normal;
-    let mut contacts: Vec<Contact> = deepest()
+    let leads = deepest()
         .filter(|overlap| overlap.normal.dot(way) >= ASIDE)
-        .flat_map(|overlap| out_of_an_overlap(models, pose, overlap, most))
-        .collect();
+        .flat_map(|overlap| out_of_an_overlap(models, pose, overlap));
     // What touches elsewhere stays, unless it holds the body in.
     let shallow = answer.contacts.iter().filter(|c| -c.separation < deep);
-    contacts.extend(shallow.filter(|c| c.normal.dot(way) >= ASIDE));
-    contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id)));
-    Ok(Some(contacts))
+    let beside = shallow.filter(|c| c.normal.dot(way) >= ASIDE).copied();
+    Ok(Some(WayOut { leads: leads.collect(), beside: beside.collect() }))
 }
 
 /// The lesser body, along the overlap's normal.
-fn out_of_an_overlap(
-    models: [&Model; 2],
-    pose: &Pose,
-    overlap: &Penetration,
-    most: f64,
-) -> [Contact; 3] {
+fn out_of_an_overlap(models: [&Model; 2], pose: &Pose, overlap: &Penetration) -> [Contact; 3] {
     let volume = |model: &Model| model.mass_properties().map_or(0.0, |mass| mass.volume);
     let first = volume(models[0]) <= volume(models[1]);
     let deepest = &overlap.deepest;
-    led(models, pose, first, overlap.normal, deepest.point_a, overlap.depth().min(most))
+    led(models, pose, first, overlap.normal, deepest.point_a, overlap.depth())
         .map(|lead| Contact { id: deepest.id, ..lead })
 }
 
@@ -146,9 +181,8 @@ fn out_of_a_solid(
     models: [&Model; 2],
     pose: &Pose,
     contained: Containment,
-    most: f64,
     memory: &mut PairMemory,
-) -> Result<Option<Vec<Contact>>, QueryError> {
+) -> Result<Option<[Contact; 3]>, QueryError> {
     let answer = query_pair(models, pose, Demand::Distance { below: None }, memory)?;
     let Some([first, second]) = answer.witnesses else { return Ok(None) };
     let (inner, outer) = match contained {
@@ -183,6 +217,6 @@ fn out_of_a_solid(
     let depth = heights.fold(0.0, f64::max);
     let normal = if inner_first { -outward } else { outward };
     let [a, b] = [first.feature, second.feature];
-    let leads = led(models, pose, inner_first, normal, outer.point, depth.min(most));
-    Ok(Some(leads.map(|lead| Contact { id: (a, b), ..lead }).to_vec()))
+    let leads = led(models, pose, inner_first, normal, outer.point, depth);
+    Ok(Some(leads.map(|lead| Contact { id: (a, b), ..lead })))
 }

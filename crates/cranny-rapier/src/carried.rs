@@ -10,6 +10,10 @@
 //! - of whatever else made a contact, both points where their bodies have taken them, along the
 //!   normal that rides with the body whose feature it belongs to.
 //!
+//! A way out of a deep overlap that nothing else touches is carried on farther, over a share of the
+//! thinner body's thickness ([`cranny_primitives::deep::lasts`]): it is one for the whole body, and
+//! no feature makes it.
+//!
 //! # What a carried list can be wrong by
 //!
 //! The drift bounds how much the distance of any two points of the bodies has changed. So
@@ -30,6 +34,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::{EdgeId, Model};
 use cranny_narrow_phase::{Contact, Feature};
+use cranny_primitives::deep::eased;
 use rapier3d::parry::shape::PackedFeatureId;
 
 /// The drift within which a pair's contacts are carried on, as a part of the prediction distance.
@@ -53,6 +58,8 @@ pub(crate) struct Search {
     pub(crate) pose: Pose,
     /// How far it looked.
     pub(crate) reach: f64,
+    /// How far bodies may drift and still be led by what it found, where that is a way out.
+    pub(crate) lasts: Option<f64>,
     /// The last step in which its contacts were the solver's.
     pub(crate) step: u64,
 }
@@ -107,18 +114,23 @@ impl Searches {
         }
     }
 
-    /// Notes that a pair was searched; `None` where what was found is of the present pose alone.
-    pub(crate) fn note(&self, tags: (u32, u32), search: Option<(Pose, f64)>) {
-        let known = &mut *self.known();
-        known.counts.searched += 1;
+    /// Notes that a pair was searched: the pose, the reach and how far a way out lasts; `None` where
+    /// what was found is of the present pose alone.
+    pub(crate) fn note(&self, tags: (u32, u32), search: Option<(Pose, f64, Option<f64>)>) {
+        self.known().counts.searched += 1;
         match search {
-            Some((pose, reach)) => {
-                known.last.insert(tags, Search { pose, reach, step: known.step });
-            }
+            Some(search) => self.put_back(tags, search),
             None => {
-                known.last.remove(&tags);
+                self.known().last.remove(&tags);
             }
         }
+    }
+
+    /// Knows a search as one of this step: a new one, or one that [lasted](Self::lasting).
+    pub(crate) fn put_back(&self, tags: (u32, u32), search: (Pose, f64, Option<f64>)) {
+        let known = &mut *self.known();
+        let (pose, reach, lasts) = search;
+        known.last.insert(tags, Search { pose, reach, lasts, step: known.step });
     }
 
     /// Forgets all pairs that fail a test.
@@ -138,19 +150,14 @@ impl Searches {
         let last = known.last.iter().map(|(&tags, &search)| (tags, search));
         last.filter(|(_, search)| search.step == known.step).collect()
     }
-
-    /// Knows a search again that [lasted](Self::lasting).
-    #[cfg(feature = "snapshot")]
-    pub(crate) fn put_back(&self, tags: (u32, u32), pose: Pose, reach: f64) {
-        let known = &mut *self.known();
-        known.last.insert(tags, Search { pose, reach, step: known.step });
-    }
 }
 
 /// A pair's contacts as they were searched.
 #[derive(Clone, Debug)]
 pub(crate) struct CarriedList {
     search: (Pose, f64),
+    /// The lesser thickness of the bodies that these contacts lead out of each other.
+    led: Option<f64>,
     contacts: Vec<Carried>,
 }
 
@@ -176,20 +183,27 @@ enum MadeBy {
 }
 
 impl CarriedList {
-    /// Of contacts in the first body's frame, and what they are known by.
+    /// Of contacts in the first body's frame, and what they are known by; `led` is the lesser
+    /// thickness where they are the leads of a way out.
     pub(crate) fn of<'a>(
         models: [&Model; 2],
         search: (Pose, f64),
+        led: Option<f64>,
         contacts: impl Iterator<Item = (&'a Contact, (PackedFeatureId, PackedFeatureId))>,
     ) -> Self {
         let map = search.0.world_from_body();
         let carried = |(contact, ids)| Carried::of(models, &map, contact, ids);
-        Self { search, contacts: contacts.map(carried).collect() }
+        Self { search, led, contacts: contacts.map(carried).collect() }
     }
 
     /// Whether it is what this search found.
     pub(crate) fn is_of(&self, search: &Search) -> bool {
         self.search == (search.pose, search.reach)
+    }
+
+    /// Whether its contacts lead out of a deep overlap.
+    pub(crate) fn is_of_leads(&self) -> bool {
+        self.led.is_some()
     }
 
     /// Its contacts at another pose, and what they are known by; `None` where one has left its
@@ -199,7 +213,11 @@ impl CarriedList {
         map: &RigidMap,
         within: f64,
     ) -> Option<Vec<(Contact, (PackedFeatureId, PackedFeatureId))>> {
-        self.contacts.iter().map(|c| Some((c.refreshed(map, within)?, c.ids))).collect()
+        let refreshed = |c: &Carried| {
+            let contact = c.refreshed(map, within)?;
+            Some((self.led.map_or(contact, |thickness| eased(contact, thickness)), c.ids))
+        };
+        self.contacts.iter().map(refreshed).collect()
     }
 }
 
@@ -322,7 +340,7 @@ mod tests {
             };
             let (g1, g2) = (shape(lower), shape(upper));
             let mut pair = PairWorkspace::for_solver(&g1, &g2);
-            let search = Search { pose: pose(0.0), reach: REACH, step: 0 };
+            let search = Search { pose: pose(0.0), reach: REACH, lasts: None, step: 0 };
             let found = pair.found(&search.pose, &g1, &g2, Reach::all(REACH)).unwrap();
             assert!(pair.keep(&found, (search.pose, REACH)) && !found.contacts.is_empty());
             let (mut carried_on, mut spent) = (0, 0);
@@ -372,7 +390,7 @@ mod tests {
     fn a_step_without_a_pair_ends_its_search() {
         let searches = Searches::default();
         searches.begin_step();
-        searches.note((1, 2), Some((Pose::IDENTITY, REACH)));
+        searches.note((1, 2), Some((Pose::IDENTITY, REACH, None)));
         searches.begin_step();
         assert!(searches.of_step_before((1, 2)).is_some());
         searches.carry((1, 2));

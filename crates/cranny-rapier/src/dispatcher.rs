@@ -35,7 +35,7 @@ use rapier3d::parry::shape::Shape;
 
 use crate::ahead::{Motions, PairAhead};
 use crate::ask::ask;
-use crate::carried::{CARRIED_WITHIN, Searches};
+use crate::carried::{CARRIED_WITHIN, Search, Searches};
 use crate::compounds::involves_ours;
 use crate::convert::pose_from_rapier;
 use crate::log::AnswerLog;
@@ -132,8 +132,7 @@ impl Dispatcher {
         pair: &PairWorkspace,
     ) -> Option<(f64, Approach)> {
         let before = self.searches.as_ref()?.of_step_before(request.tags()?)?;
-        let within = CARRIED_WITHIN * f64::from(ahead.base());
-        let has_moved = pair.drift_since(&before, &request.pose)? > within;
+        let has_moved = pair.drift_since(&before, &request.pose)? > carried_within(&before, ahead);
         has_moved.then(|| ahead.approaching()).flatten()
     }
 
@@ -148,7 +147,7 @@ impl Dispatcher {
         let tags = request.tags()?;
         let search =
             searches.of_step_before(tags).filter(|search| request.reach <= search.reach)?;
-        let within = CARRIED_WITHIN * f64::from(ahead.base());
+        let within = carried_within(&search, ahead);
         let mut contacts = pair.carried(&search, &request.pose, within)?;
         contacts.retain(|contact| contact.separation <= request.reach);
         searches.carry(tags);
@@ -165,9 +164,10 @@ impl Dispatcher {
         let found = pair.found(&pose, g1, g2, Reach { within: reach, approaching })?;
         if let Some((searches, tags)) = self.searches.as_ref().zip(request.tags()) {
             // Of what approached, all was searched that is as near as this.
-            let search = (pose, approaching.map_or(reach, |(certain, _)| certain));
-            let kept = self.carries && (approaching.is_some() || pair.keep(&found, search));
-            searches.note(tags, kept.then_some(search));
+            let reach = approaching.map_or(reach, |(certain, _)| certain);
+            let kept = self.carries && (approaching.is_some() || pair.keep(&found, (pose, reach)));
+            let lasts = found.lasts().filter(|_| approaching.is_none());
+            searches.note(tags, kept.then_some((pose, reach, lasts)));
         }
         Some((found.contacts, found.answer))
     }
@@ -201,6 +201,11 @@ impl Dispatcher {
         }
         read
     }
+}
+
+/// The drift within which the contacts of a search are carried on.
+fn carried_within(search: &Search, ahead: &PairAhead) -> f64 {
+    search.lasts.unwrap_or_default().max(CARRIED_WITHIN * f64::from(ahead.base()))
 }
 
 /// A request of rapier about a pair.

@@ -17,7 +17,7 @@ use cranny_narrow_phase::{
 };
 use cranny_primitives::{
     contacts,
-    deep::{deep, way_out},
+    deep::{deep, lasts, way_out},
     rounded,
 };
 use rapier3d::math::{Pose, Real};
@@ -124,11 +124,28 @@ pub(crate) struct Found {
     pub(crate) contacts: Vec<SolverContact>,
     /// The whole answer and its query, where the pair was queried as two models.
     pub(crate) answer: Option<Answered>,
-    /// What the contacts were made of, where a list of it can be carried on: not of one way out.
-    searched: Option<Vec<Contact>>,
+    /// What a list of them that is carried on is made of, where there is one.
+    searched: Option<Searched>,
+}
+
+/// What a search of two models found that lasts.
+enum Searched {
+    /// Contacts of surfaces.
+    Contacts(Vec<Contact>),
+    /// The leads of a way out that nothing else touches, out of bodies of this lesser thickness.
+    Leads(Vec<Contact>, f64),
 }
 
 impl Found {
+    /// How far bodies may drift and still be led by what was found; `None` where it is no way out
+    /// that lasts.
+    pub(crate) fn lasts(&self) -> Option<f64> {
+        match self.searched {
+            Some(Searched::Leads(_, thickness)) => Some(lasts(thickness)),
+            _ => None,
+        }
+    }
+
     fn of_contacts(contacts: Vec<Contact>) -> Self {
         let contacts = contacts.iter().map(|c| SolverContact::of(c, features_of(c)));
         Self::without_answer(contacts.collect())
@@ -230,12 +247,21 @@ impl PairWorkspace {
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
         let is_smooth = self.leads_out && led.is_none();
-        let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
-        let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
+        let listed = match (&led, is_smooth) {
+            (Some(way), _) => way.contacts(thickness),
+            (None, true) => reduce_level_contacts(answer.contacts.clone()),
+            (None, false) => answer.contacts.clone(),
+        };
         let contacts = listed.iter().map(|contact| {
             solver_contact(contact, ids_of(contact, models), &cores, pose, is_smooth)
         });
-        Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
+        let contacts = contacts.collect();
+        let searched = match led {
+            Some(way) if way.beside.is_empty() => Some(Searched::Leads(way.leads, thickness)),
+            Some(_) => None,
+            None => is_smooth.then_some(Searched::Contacts(listed)),
+        };
+        Found { contacts, searched, answer: Some((answer, question)) }
     }
 
     /// Keeps what a search found, if it can be carried on.
@@ -243,8 +269,12 @@ impl PairWorkspace {
         let searched = found.searched.as_ref();
         self.carried = searched.zip(self.cores.as_ref()).map(|(searched, cores)| {
             let models = cores.each_ref().map(Core::model);
-            let ids = found.contacts.iter().map(|contact| contact.ids);
-            CarriedList::of(models, search, searched.iter().zip(ids))
+            let (listed, led) = match searched {
+                Searched::Contacts(contacts) => (contacts, None),
+                Searched::Leads(leads, thickness) => (leads, Some(*thickness)),
+            };
+            let known_by = |contact| (contact, ids_of(contact, models));
+            CarriedList::of(models, search, led, listed.iter().map(known_by))
         });
         self.carried.is_some()
     }
@@ -274,12 +304,10 @@ impl PairWorkspace {
         }
         let (cores, list) = (self.cores.as_ref()?, self.carried.as_ref()?);
         let contacts = list.refreshed(&map, within)?;
-        Some(
-            contacts
-                .iter()
-                .map(|(contact, ids)| solver_contact(contact, *ids, cores, pose, true))
-                .collect(),
-        )
+        let of = |(contact, ids): &(Contact, _)| {
+            solver_contact(contact, *ids, cores, pose, !list.is_of_leads())
+        };
+        Some(contacts.iter().map(of).collect())
     }
 
     fn of_parts(

@@ -58,7 +58,7 @@ fn a_deep_overlap_has_one_way_out() {
             .expect("poses");
         let found = way_out([&block, &plate], thin, &pose, &answer, &mut memory).expect("a pose");
         assert_eq!(found.is_some(), leads, "{depth} deep");
-        let led = found.unwrap_or_default();
+        let led = found.unwrap_or_default().contacts(thin);
         assert!(led.iter().all(|c| (c.normal - DVec3::Z).length() < 1e-9), "{depth}: {led:?}");
         assert!(led.iter().all(|c| c.separation < 0.0 && -c.separation < thin), "{depth}: {led:?}");
         assert_eq!(led.len(), if leads { 3 } else { 0 }, "{depth} deep");
@@ -85,7 +85,7 @@ fn what_is_shallow_beside_a_deep_overlap_keeps_its_contacts() {
             .expect("poses");
     let led = way_out([&block, &plates], thin, &pose, &answer, &mut memory).expect("a pose");
     let (shallow, deep): (Vec<_>, Vec<_>) =
-        led.expect("one is deep").into_iter().partition(|c| c.separation > -0.011);
+        led.expect("one is deep").contacts(thin).into_iter().partition(|c| c.separation > -0.011);
     assert_eq!(deep.len(), 3, "{deep:?}");
     assert!(!shallow.is_empty() && shallow.iter().all(|c| c.point_b.x > 1.4), "{shallow:?}");
 }

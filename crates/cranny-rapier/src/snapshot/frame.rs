@@ -7,7 +7,7 @@ use thiserror::Error;
 const MAGIC: &[u8; 8] = b"CRANNYRS";
 
 /// Of the form; a snapshot of any other is refused.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 const CHECKSUM: usize = 32;
 

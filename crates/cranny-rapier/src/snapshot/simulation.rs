@@ -42,8 +42,9 @@ struct Kept {
     /// The log's step.
     log_step: u64,
     answers: Vec<WrittenAnswer>,
-    /// The searches whose contacts the next step may carry on: tags, pose, reach.
-    searches: Vec<((u32, u32), WrittenPose, f64)>,
+    /// The searches whose contacts the next step may carry on: tags, pose, reach, how far a way out
+    /// lasts.
+    searches: Vec<((u32, u32), WrittenPose, f64, Option<f64>)>,
 }
 
 /// Rotation and translation.
@@ -174,7 +175,7 @@ impl Simulation {
             log_step: self.log.step(),
             answers: answers.collect(),
             searches: searches
-                .map(|(tags, search)| (tags, WrittenPose::of(&search.pose), search.reach))
+                .map(|(tags, s)| (tags, WrittenPose::of(&s.pose), s.reach, s.lasts))
                 .collect(),
         };
         let sets = Sets {
@@ -241,8 +242,8 @@ impl Simulation {
         for answer in kept.answers {
             simulation.ask_again(&answer)?;
         }
-        for (tags, pose, reach) in kept.searches {
-            simulation.searches.put_back(tags, pose.pose(), reach);
+        for (tags, pose, reach, lasts) in kept.searches {
+            simulation.searches.put_back(tags, (pose.pose(), reach, lasts));
         }
         Ok(simulation)
     }

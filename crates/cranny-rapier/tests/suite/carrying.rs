@@ -1,6 +1,6 @@
 //! Contacts that are carried on: what rests keeps them, what leaves loses them.
 
-use cranny_exact::DVec3;
+use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, CARRIED_WITHIN, PairCounts, Simulation, SimulationOptions,
@@ -104,5 +104,46 @@ fn a_body_slid_to_an_edge_falls() {
     for recycling in [true, false] {
         let (x, z) = fallen(recycling);
         assert!(x >= 1.999 && z < 0.0, "from {x} it came to {z}");
+    }
+}
+
+/// A plate is led out of a block, askew and straight. It takes the same way with a search in each
+/// step and with one in a few, comes out on the side where it came in, and is carried on there as
+/// what rests.
+#[test]
+fn a_way_out_is_carried_on() {
+    let models = [cuboid(4.0, 4.0, 1.0), cuboid(1.0, 0.7, 0.3)];
+    // The middle of the plate, below the top at 0.5; wholly inside at the second.
+    for (height, tilt) in [(0.45, 0.0), (0.3, 0.0), (0.45, 0.1)] {
+        let led = |recycling: bool| {
+            let options =
+                SimulationOptions { recycling: Some(recycling), ..SimulationOptions::default() };
+            let mut simulation = Simulation::new(options);
+            simulation.insert(&spec(&models[0], BodyKind::Fixed, DVec3::ZERO)).unwrap();
+            let plate = spec(&models[1], BodyKind::Dynamic, DVec3::Z * height);
+            let rotation = DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(0.2);
+            let pose = Pose { rotation, ..plate.pose };
+            simulation.insert(&BodySpec { pose, ..plate }).unwrap();
+            let (mut way, mut counts) = (Vec::new(), PairCounts::default());
+            // Twelve steps: half of the time that the shortest way takes.
+            for _ in 0..12 {
+                simulation.step();
+                let PairCounts { carried, searched } = simulation.pair_counts();
+                counts.carried += carried;
+                counts.searched += searched;
+                way.push(simulation.pose(CUBE).translation.z);
+            }
+            (0..180).for_each(|_| simulation.step());
+            let Pose { rotation, translation } = simulation.pose(CUBE);
+            let up = (rotation * DVec3::Z).z;
+            assert!(up > 0.999 && (translation.z - 0.65).abs() < 2e-3, "{up} at {translation}");
+            (way, counts)
+        };
+        let ((anew, all), (lasting, some)) = (led(false), led(true));
+        assert_eq!(all.carried, 0);
+        assert!(some.carried >= some.searched, "{some:?} from {height} at {tilt}");
+        for (x, y) in anew.iter().zip(&lasting) {
+            assert!((x - y).abs() < 5e-3, "from {height} at {tilt}: {lasting:?}, not {anew:?}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Fields, Region, RegionId};
 use cranny_rapier::{
@@ -195,6 +195,28 @@ fn what_is_carried_on_goes_on_being_so() {
         assert!(counts.get() > 0, "nothing was carried on in step {before}");
         goes_on(|| pile(Detector::Cranny).0, &models, [before, 30], |_| ());
     }
+}
+
+/// Written while a body is led out of another along a way that was found steps before.
+#[test]
+fn who_is_led_out_goes_on_along_the_same_way() {
+    let models = [cuboid(4.0, 4.0, 1.0), cuboid(1.0, 0.7, 0.3)];
+    let make = || {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        simulation.insert(&spec(&models[0], BodyKind::Fixed, DVec3::ZERO)).unwrap();
+        let plate = spec(&models[1], BodyKind::Dynamic, DVec3::Z * 0.45);
+        let rotation = DQuat::from_rotation_x(0.1) * DQuat::from_rotation_z(0.2);
+        simulation.insert(&BodySpec { pose: Pose { rotation, ..plate.pose }, ..plate }).unwrap();
+        simulation
+    };
+    let mut carried = 0;
+    for before in 1..8 {
+        let mut unread = make();
+        (0..before).for_each(|_| unread.step());
+        carried += unread.pair_counts().carried;
+        goes_on(make, &models, [before, 60], |_| ());
+    }
+    assert!(carried > 0, "each step was searched for");
 }
 
 /// In as many parts as before: the setting and the thicknesses are written.
