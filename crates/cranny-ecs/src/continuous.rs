@@ -39,7 +39,8 @@ pub struct ContinuousPlugin;
 
 impl Plugin for ContinuousPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<HeldBack>().init_resource::<unsolved::Starts>();
+        app.init_resource::<HeldBack>();
+        app.init_resource::<unsolved::Starts>().init_resource::<unsolved::KnownCores>();
         app.configure_sets(
             CrannyStep,
             (

@@ -50,9 +50,6 @@ pub(crate) struct FaceHit {
     pub(crate) witnesses: [(DVec3, Feature); 2],
     /// Unit, from first to second.
     pub(crate) normal: DVec3,
-    /// The same, but for features that coincide: there [`normal`](Self::normal) is against the
-    /// approach, and this one out of the first solid.
-    pub(crate) facing: DVec3,
     pub(crate) distance: f64,
 }
 
@@ -245,7 +242,6 @@ fn meeting_of(
     };
     FaceHit {
         time: moment.time,
-        facing: facing(bodies, faces, moment, nearest, normal),
         witnesses: [
             (nearest.points[0], feature(Side::First, faces.0)),
             (nearest.points[1], feature(Side::Second, faces.1)),
@@ -253,188 +249,6 @@ fn meeting_of(
         normal,
         distance,
     }
-}
-
-/// The meeting at a moment of two faces that pass through each other: along the normal of one of
-/// which the other is behind by no more than `depth`, or less far; where both serve, of that along
-/// which they deepen less.
-pub(crate) fn crossing(
-    bodies: &Bodies,
-    faces: (FaceId, FaceId),
-    moment: &Moment,
-    depth: f64,
-) -> Option<FaceHit> {
-    let arms = arms(bodies, faces, moment);
-    let triangles = [arms[0], arms[1].map(|arm| arm + moment.offset)];
-    let pierced = |side: usize| {
-        let [p, q, r] = triangles[1 - side];
-        [[p, q], [q, r], [r, p]].iter().any(|ends| pierces(ends, &triangles[side]))
-    };
-    if !pierced(0) && !pierced(1) {
-        return None;
-    }
-    let nearest = triangle_distance(&triangles[0], &triangles[1]);
-    let by_depth = |p: &FaceHit, q: &FaceHit| {
-        deepening(bodies, faces, p).total_cmp(&deepening(bodies, faces, q))
-    };
-    let hit =
-        |facing| FaceHit { facing, distance: 0.0, ..meeting_of(bodies, faces, moment, &nearest) };
-    // How far the other face is behind a side's, and the meeting along its normal.
-    let along = |side: usize| {
-        let [a, b, c] = triangles[side];
-        let normal = (b - a).cross(c - a).try_normalize()?;
-        let behind = triangles[1 - side].map(|p| normal.dot(a - p)).into_iter().fold(0.0, f64::max);
-        let facing = if side == 0 { normal } else { -normal };
-        // A face of an open mesh is met from both sides.
-        let is_closed = is_closed(bodies, Side::BOTH[side]);
-        let other = (!is_closed).then(|| hit(-facing));
-        let met = [Some(hit(facing)), other].into_iter().flatten().max_by(by_depth)?;
-        Some((behind, met))
-    };
-    let sides: Vec<(f64, FaceHit)> = [0, 1].into_iter().filter_map(along).collect();
-    let least = sides.iter().map(|(behind, _)| *behind).fold(f64::INFINITY, f64::min);
-    let serving = sides.into_iter().filter(|(behind, _)| *behind <= depth.max(least));
-    serving.map(|(_, met)| met).min_by(by_depth)
-}
-
-/// A face that turns from the way of a meeting by no more than this, as a cosine, stands along it.
-/// Smaller: rounding of poses has a side that stands square to a floor look away from it; larger: a
-/// slanting front passes for a side.
-const SQUARE: f64 = 1e-6;
-
-/// Whether two faces of solids look away from each other where they meet, or one stands along the
-/// way: each is behind the other, and they part as they go through.
-pub(crate) fn are_inside(bodies: &Bodies, faces: (FaceId, FaceId), hit: &FaceHit) -> bool {
-    if hit.distance <= bodies.rounding || !are_closed(bodies) {
-        return false;
-    }
-    let moment = bodies.at(hit.time);
-    let normals = [(Side::First, faces.0), (Side::Second, faces.1)]
-        .map(|(side, face)| normal_at(bodies, side, face, &moment));
-    let [Some(first), Some(second)] = normals else { return false };
-    let (of_first, of_second) = (-hit.normal.dot(first), hit.normal.dot(second));
-    of_first.min(of_second) > -SQUARE && of_first.max(of_second) > SQUARE
-}
-
-/// Sine of the angle between faces that are one plane. Smaller: rounding of corners makes an edge
-/// of it; larger: facets of a curved surface pass for one.
-const FLAT: f64 = 1e-9;
-
-/// How much deeper two faces come that meet at a side or a corner across which one of them goes on
-/// in its plane, towards the other: the place that is nearest there is not this one, and what
-/// counts is the plane's normal. `None` where neither goes on.
-pub(crate) fn deepening_of_plane(
-    bodies: &Bodies,
-    faces: (FaceId, FaceId),
-    hit: &FaceHit,
-) -> Option<f64> {
-    let moment = bodies.at(hit.time);
-    let facing = Side::BOTH.into_iter().find_map(|side| {
-        let (face, sign) = [(faces.0, 1.0), (faces.1, -1.0)][side.index()];
-        let (at, feature) = hit.witnesses[side.index()];
-        let plane = normal_at(bodies, side, face, &moment)?;
-        let topology = bodies.model(side).topology();
-        let around: Vec<FaceId> = match feature {
-            Feature::Edge(edge) => {
-                topology.half_edges(edge).iter().map(|half| half.face()).collect()
-            }
-            Feature::Vertex(vertex) => topology.faces_at(vertex).to_vec(),
-            _ => Vec::new(),
-        };
-        let goes_on = |&other: &FaceId| {
-            let normal = normal_at(bodies, side, other, &moment);
-            let is_flat =
-                normal.is_some_and(|n| n.cross(plane).length() < FLAT && n.dot(plane) > 0.0);
-            let corners = bodies.triangle(side, other, &moment);
-            let is_nearer = |corner: &DVec3| {
-                let way = *corner - at;
-                sign * way.dot(hit.normal) > SQUARE * way.length()
-            };
-            other != face && is_flat && corners.iter().any(is_nearer)
-        };
-        around.iter().any(goes_on).then_some(sign * plane)
-    });
-    facing.map(|facing| deepening_along(bodies, faces, &moment, facing))
-}
-
-/// Whether a body's faces have an outer side.
-fn is_closed(bodies: &Bodies, side: Side) -> bool {
-    bodies.model(side).mass_properties().is_some()
-}
-
-fn are_closed(bodies: &Bodies) -> bool {
-    Side::BOTH.iter().all(|&side| is_closed(bodies, side))
-}
-
-fn normal_at(bodies: &Bodies, side: Side, face: FaceId, moment: &Moment) -> Option<DVec3> {
-    let [a, b, c] = bodies.triangle(side, face, moment);
-    (b - a).cross(c - a).try_normalize()
-}
-
-/// Whether a segment passes through a triangle, to rounding.
-fn pierces([p, q]: &[DVec3; 2], [a, b, c]: &[DVec3; 3]) -> bool {
-    let normal = (*b - *a).cross(*c - *a);
-    let [from, to] = [*p, *q].map(|end| normal.dot(end - *a));
-    if from * to >= 0.0 {
-        return false;
-    }
-    let at = *p + (*q - *p) * (from / (from - to));
-    [[a, b], [b, c], [c, a]]
-        .iter()
-        .all(|[from, to]| (**to - **from).cross(at - **from).dot(normal) > 0.0)
-}
-
-/// How much deeper two faces come from where they meet until time 1, at most, along the normal that
-/// they have there.
-pub(crate) fn deepening(bodies: &Bodies, faces: (FaceId, FaceId), hit: &FaceHit) -> f64 {
-    deepening_along(bodies, faces, &bodies.at(hit.time), hit.facing)
-}
-
-fn deepening_along(
-    bodies: &Bodies,
-    faces: (FaceId, FaceId),
-    moment: &Moment,
-    facing: DVec3,
-) -> f64 {
-    let (arms, left) = (arms(bodies, faces, moment), 1.0 - moment.time);
-    let [first, second] = Side::BOTH
-        .map(|side| arms[side.index()].map(|arm| bodies.spin(side).cross(arm).dot(facing)));
-    let [fastest, slowest] =
-        [first, second.map(|v| -v)].map(|v| v.into_iter().fold(f64::MIN, f64::max));
-    // Half the acceleration of each along the normal.
-    let curved: f64 = Side::BOTH
-        .map(|side| {
-            let spin = bodies.spin(side);
-            let speed = |arm: &DVec3| spin.cross(*arm).length();
-            let fastest = arms[side.index()].iter().map(speed).fold(0.0, f64::max);
-            0.5 * spin.cross(facing).length() * fastest
-        })
-        .iter()
-        .sum();
-    left * (fastest + slowest - bodies.drift.dot(facing)) + left * left * curved
-}
-
-/// The normal by which faces are on each other's outer side: where their nearest points coincide,
-/// out of the first solid and into the second. Faces of open meshes have no outer side.
-fn facing(
-    bodies: &Bodies,
-    faces: (FaceId, FaceId),
-    moment: &Moment,
-    nearest: &Nearest,
-    normal: DVec3,
-) -> DVec3 {
-    if nearest.squared.sqrt() > bodies.rounding || !are_closed(bodies) {
-        return normal;
-    }
-    let [first, second] =
-        corners(bodies, faces, moment).map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
-    if nearest.parts.iter().any(|part| matches!(part, Part::Inside)) {
-        return if normal.dot(first - second) < 0.0 { -normal } else { normal };
-    }
-    // At a corner or at two sides, faces slide past each other along either.
-    let deepest = |facing: &DVec3| deepening_along(bodies, faces, moment, *facing);
-    let sides = [first, -second].into_iter().filter(|facing| *facing != DVec3::ZERO);
-    sides.min_by(|p, q| deepest(p).total_cmp(&deepest(q))).unwrap_or(normal)
 }
 
 /// The common normal of two features that coincide, turned so that the bodies approach along it.

@@ -58,11 +58,6 @@ pub struct ImpactOptions {
     /// smallest feature suits most scenes; finer costs little. Less than rounding
     /// permits (about 1e-12 of the lengths involved) is raised to that.
     pub tolerance: f64,
-    /// Where this is set, a meeting that goes on to no more than so deep until time 1 is passed
-    /// over, and the search goes on for others: what slides along a floor, or parts from it, is
-    /// held by a wall of the same body and not by the floor. Surfaces that meet at time 0 are
-    /// searched then, too; only what lies wholly within the other meets it at once.
-    pub shallow: Option<f64>,
     /// Elementary tests (pairs of boxes, pairs of faces, boxes of parameters) that may be made.
     /// Default: [`ImpactOptions::DEFAULT_BUDGET`].
     pub budget: u64,
@@ -75,18 +70,16 @@ impl ImpactOptions {
     /// The default budget.
     #[must_use]
     pub fn within(tolerance: f64) -> Self {
-        Self { tolerance, shallow: None, budget: Self::DEFAULT_BUDGET }
+        Self { tolerance, budget: Self::DEFAULT_BUDGET }
     }
 }
 
 /// When and where two moving bodies meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Impact {
-    /// Certified: the surfaces share no point from time 0 to 1, ends included; with
-    /// [`ImpactOptions::shallow`], no meeting is deeper than that.
+    /// Certified: the surfaces share no point from time 0 to 1, ends included.
     None,
-    /// They meet at time 0: the surfaces share a point, or one body lies inside the other. With
-    /// [`ImpactOptions::shallow`], the latter alone.
+    /// They meet at time 0: the surfaces share a point, or one body lies inside the other.
     Initially {
         /// How the surfaces meet at time 0.
         surface: Surface,
@@ -97,7 +90,7 @@ pub enum Impact {
     Hit(Hit),
     /// The budget was spent.
     Open {
-        /// Certified free before this, but for shallow meetings; unknown from then on, to time 1.
+        /// Certified free before this; unknown from then on, to time 1.
         free_before: f64,
     },
 }
@@ -105,8 +98,7 @@ pub enum Impact {
 /// A first meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The surfaces share no point before `lo`, but for shallow meetings that are passed over; at
-    /// `hi` they are within the tolerance. The two are
+    /// The surfaces share no point before `lo`; at `hi` they are within the tolerance. The two are
     /// most often neighbouring numbers; they differ where the budget was spent on what may be
     /// earlier.
     pub time: Interval,
@@ -184,9 +176,7 @@ pub fn time_of_impact(
         &Query::of(Demand::Intersects),
         &mut PairMemory::default(),
     )?;
-    let crosses = start.surface != Surface::None;
-    let is_searched = crosses && options.shallow.is_some() && start.contained.is_none();
-    if (crosses || start.solid) && !is_searched {
+    if start.surface != Surface::None || start.solid {
         let impact = Impact::Initially { surface: start.surface, contained: start.contained };
         return Ok((impact, ImpactCounters::default()));
     }

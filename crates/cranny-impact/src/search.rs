@@ -18,7 +18,7 @@ use cranny_narrow_phase::Witness;
 use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
-use crate::faces::{FaceHit, Next, are_inside, crossing, deepening, deepening_of_plane, settle};
+use crate::faces::{Next, settle};
 use crate::impact::{Hit, Impact, ImpactCounters, ImpactOptions};
 use crate::reach::boxes_apart;
 
@@ -61,25 +61,24 @@ struct Found {
 struct Search<'a> {
     bodies: &'a Bodies<'a>,
     tolerance: f64,
-    shallow: Option<f64>,
     queue: BinaryHeap<Reverse<Candidate>>,
     found: Option<Found>,
     /// Where this descent ends.
     until: f64,
+    budget: u64,
     counters: ImpactCounters,
 }
 
-/// Finds the first meeting of two bodies that share no point at time 0, or of those that do the
-/// first that is not shallow.
+/// Finds the first meeting of two bodies that share no point at time 0.
 pub(crate) fn search(bodies: &Bodies, options: &ImpactOptions) -> (Impact, ImpactCounters) {
     let mut search = Search {
         bodies,
         // What the arithmetic may be off is then less than the part left to it: see `faces`.
         tolerance: options.tolerance.max(16.0 * bodies.rounding),
-        shallow: options.shallow,
         queue: BinaryHeap::new(),
         found: None,
         until: 0.0,
+        budget: options.budget,
         counters: ImpactCounters::default(),
     };
     let turn = Side::BOTH.map(|s| bodies.spin(s).length()).into_iter().fold(0.0, f64::max);
@@ -93,7 +92,7 @@ pub(crate) fn search(bodies: &Bodies, options: &ImpactOptions) -> (Impact, Impac
         if search.is_over(time) {
             break;
         }
-        if search.counters.total() >= options.budget {
+        if search.is_spent() {
             spent = true;
             break;
         }
@@ -119,6 +118,11 @@ pub(crate) fn search(bodies: &Bodies, options: &ImpactOptions) -> (Impact, Impac
 }
 
 impl Search<'_> {
+    /// Whether no more work may be done.
+    fn is_spent(&self) -> bool {
+        self.counters.total() >= self.budget
+    }
+
     /// Drops all candidates; the bodies share no point before `time`.
     fn begin_at(&mut self, time: f64, duration: f64) {
         self.queue.clear();
@@ -150,6 +154,11 @@ impl Search<'_> {
         let time_left = self.end().min(self.until) - moment.time;
         let mut stack = vec![(a, b)];
         while let Some((a, b)) = stack.pop() {
+            if self.is_spent() {
+                // What is left of this moment is unknown from it on.
+                self.put_off(Target::Nodes(a, b), moment.time);
+                continue;
+            }
             self.counters.node_tests += 1;
             let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
             let boxes = [
@@ -180,29 +189,12 @@ impl Search<'_> {
         }
     }
 
-    /// Whether a meeting is too shallow to count.
-    fn passes_over(&self, faces: (FaceId, FaceId), meeting: &FaceHit) -> bool {
-        let is_shallow = |depth| {
-            are_inside(self.bodies, faces, meeting)
-                || deepening(self.bodies, faces, meeting) <= depth
-                || deepening_of_plane(self.bodies, faces, meeting).is_some_and(|d| d <= depth)
-        };
-        self.shallow.is_some_and(is_shallow)
-    }
-
     /// Settles a pair of faces from a moment on.
     fn faces(&mut self, f: FaceId, g: FaceId, moment: &Moment) {
         let end = self.end();
-        // Surfaces that cross are searched where shallow meetings are passed over.
-        let shallow = self.shallow.filter(|_| moment.time == 0.0);
-        let next = match shallow.and_then(|depth| crossing(self.bodies, (f, g), moment, depth)) {
-            Some(meeting) => Next::Met { lower: 0.0, meeting },
-            None => settle(self.bodies, (f, g), moment, end, self.tolerance, &mut self.counters),
-        };
-        match next {
+        match settle(self.bodies, (f, g), moment, end, self.tolerance, &mut self.counters) {
             Next::Later(time) => self.put_off(Target::Faces(f, g), time),
             Next::Free => {}
-            Next::Met { meeting, .. } if self.passes_over((f, g), &meeting) => {}
             Next::Met { lower, meeting } => {
                 let time = meeting.time;
                 let earliest = self.found.as_ref().map_or(lower, |f| f.lower.min(lower));

@@ -61,7 +61,8 @@
 //! with rounded edges. `shape` is what a body is made of, a model or a primitive; `between` answers
 //! about two of them, `convex` about two primitives. `ray` casts rays at models, `shape_ray` at
 //! shapes; `cast` moves primitives at them, `turning_cast` moves them as they turn,
-//! and `sweep` any shape at any other. `text` writes primitives down. `deep` finds contacts
+//! and `sweep` any shape at any other. `cores` are what is left of a body below its surface, and
+//! `hold` says up to when bodies are let on their ways for none to pass through another. `text` writes primitives down. `deep` finds contacts
 //! that lead a solver's bodies out of a deep overlap, and `percussion` the places at which to lead
 //! a body without turning it; `escape` finds a translation that ends an overlap, for whoever has no
 //! solver.
@@ -70,8 +71,10 @@ mod between;
 mod cast;
 mod contacts;
 mod convex;
+mod cores;
 pub mod deep;
 mod escape;
+mod hold;
 mod inside;
 mod normal_cone;
 mod percussion;
@@ -89,7 +92,9 @@ mod turning_cast;
 pub use between::{PlacedShape, ShapeQueryError, query_shapes};
 pub use cast::{PrimitiveCast, PrimitiveCastOptions, cast_primitive};
 pub use contacts::contacts;
+pub use cores::{Cores, CoresOfBodies};
 pub use escape::{way_apart, way_apart_of_shapes};
+pub use hold::{MovingCores, last_apart, let_until};
 pub use inside::contains_point;
 pub use percussion::percussion_centers;
 pub use primitive::{Ball, Capsule, Cone, Cylinder, HalfSpace, Primitive, PrimitiveError, Segment};
@@ -98,7 +103,7 @@ pub use rounded::{Rounded, rounded, rounded_contacts, rounded_separation};
 pub use separation::{Separation, meets, separation};
 pub use shape::BodyShape;
 pub use shape_ray::{ShapeRayHit, cast_ray_at_shape, separation_of_point};
-pub use sweep::{MovingShape, SweepError, Swept, first_meeting, last_apart, let_until};
+pub use sweep::{MovingShape, SweepError, Swept, first_meeting};
 pub use text::UnknownPrimitive;
 
 // The example of the README must compile and run as well.

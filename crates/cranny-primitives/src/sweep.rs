@@ -1,14 +1,14 @@
 //! When two shapes first meet as they move: certified for two meshes; of primitives by steps that
 //! are too short to meet within, each as long as the distance allows.
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
-use cranny_narrow_phase::{Answer, Demand, Normals, PairMemory, Query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 use thiserror::Error;
 
 use crate::between::{PlacedShape, ShapeQueryError, query_shapes};
-use crate::primitive::{Ball, Checked, HalfSpace, Primitive, PrimitiveError};
+use crate::primitive::{Ball, Checked, Primitive, PrimitiveError};
 use crate::revolved::Revolved;
 use crate::separation::{Found, found};
 use crate::shape::BodyShape;
@@ -16,10 +16,6 @@ use crate::turning_cast::{TurningCast, turning_along};
 
 /// Steps of a way beside a primitive. More: what passes closely takes long; fewer: it is left open.
 const MOST_STEPS: usize = 1_000;
-
-/// The share of a way by which a body backs off at least from what it would meet. Larger: bodies
-/// stop visibly short; smaller: single precision does not tell such poses apart.
-const LEAST_BACK: f64 = 1.0 / 16_777_216.0;
 
 /// A shape on its way.
 #[derive(Clone, Copy, Debug)]
@@ -35,14 +31,13 @@ pub struct MovingShape<'a> {
 pub enum Swept {
     /// Nowhere.
     Free,
-    /// They touch at the beginning; with [`ImpactOptions::shallow`], one begins within the other.
+    /// They touch at the beginning, or one begins within the other.
     Initially,
     /// For the first time.
     Hit {
         /// Free until then.
         time: f64,
-        /// On the second shape, in world coordinates; its origin where a primitive touches another
-        /// shape at the beginning.
+        /// On the second shape, in world coordinates.
         point: DVec3,
         /// Unit, from the first to the second.
         normal: DVec3,
@@ -70,7 +65,6 @@ pub enum SweepError {
 
 /// When two shapes first meet. Surfaces that are as near as `options.tolerance`, in units of
 /// length, may count as meeting; shapes that are apart at the beginning are not met then.
-/// [`ImpactOptions::shallow`] holds for primitives as for meshes.
 ///
 /// # Errors
 ///
@@ -104,64 +98,8 @@ pub fn first_meeting(
     }
 }
 
-/// The share of two motions, from 0 to 1, up to which shapes are let: before their first meeting by
-/// about `options.tolerance`. `None` where they do not meet, where one begins within the other, and
-/// for numbers that are refused: those are reported by whoever detects the pair.
-#[must_use]
-pub fn let_until(ends: [MovingShape<'_>; 2], options: &ImpactOptions) -> Option<f64> {
-    let time = meeting_time(ends, options)?;
-    Some((time - back(ends, options)).max(0.0))
-}
-
-/// The same, of shapes that are to stay apart in the numbers in which their poses are stored; 0
-/// where they cannot move. Those that touch at the beginning are let as [`let_until`] lets them.
-pub fn last_apart(
-    ends: [MovingShape<'_>; 2],
-    options: &ImpactOptions,
-    stored: impl Fn(&Pose) -> Pose,
-) -> Option<f64> {
-    let verdict = Query::of(Demand::Intersects);
-    let are_apart = |time: f64| {
-        let [a, b] = ends
-            .map(|end| PlacedShape { shape: end.shape, pose: stored(&end.motion.pose_at(time)) });
-        let answer = query_shapes(a, b, &verdict, &mut PairMemory::default());
-        answer.is_ok_and(|answer| !answer.touches())
-    };
-    let time = meeting_time(ends, options);
-    if !are_apart(0.0) {
-        return Some((time? - back(ends, options)).max(0.0));
-    }
-    let time = match time {
-        None if are_apart(1.0) => return None,
-        None => 1.0,
-        Some(time) => time,
-    };
-    let mut back = back(ends, options);
-    while back < time {
-        if are_apart(time - back) {
-            return Some(time - back);
-        }
-        back *= 2.0;
-    }
-    Some(0.0)
-}
-
-/// Up to when two are free, where they do not stay so.
-fn meeting_time([a, b]: [MovingShape<'_>; 2], options: &ImpactOptions) -> Option<f64> {
-    match first_meeting(a, b, options).ok()? {
-        Swept::Initially | Swept::Free => None,
-        Swept::Hit { time, .. } => Some(time),
-        Swept::Open { free_before } => Some(free_before),
-    }
-}
-
-/// The share of their ways in which two come nearer by the tolerance, at most.
-fn back([a, b]: [MovingShape<'_>; 2], options: &ImpactOptions) -> f64 {
-    (options.tolerance / speed(&a, &b)).max(LEAST_BACK)
-}
-
 /// How fast a point of one moves beside the other, at most.
-fn speed(a: &MovingShape<'_>, b: &MovingShape<'_>) -> f64 {
+pub(crate) fn speed(a: &MovingShape<'_>, b: &MovingShape<'_>) -> f64 {
     let turning =
         a.motion.turn.length() * reach_beside(a, b) + b.motion.turn.length() * reach_beside(b, a);
     a.motion.travel.distance(b.motion.travel) + turning
@@ -198,14 +136,13 @@ fn beside(
     options: &ImpactOptions,
 ) -> Result<Swept, SweepError> {
     let place = of_model.start.inverse().compose(&own.start);
-    match found(model, &primitive.moved(&place.world_from_body()), 0.0)? {
-        Found::Inside => return Ok(Swept::Initially),
-        Found::Meeting if options.shallow.is_none() => return Ok(Swept::Initially),
-        _ => {}
+    if let Found::Inside | Found::Meeting =
+        found(model, &primitive.moved(&place.world_from_body()), 0.0)?
+    {
+        return Ok(Swept::Initially);
     }
-    let reach = primitive.radius_about(own.pivot);
-    let ImpactOptions { tolerance, shallow, .. } = *options;
-    Ok(TurningCast { model, of_model, solid, own, reach, tolerance, shallow }.first())
+    let (reach, tolerance) = (primitive.radius_about(own.pivot), options.tolerance);
+    Ok(TurningCast { model, of_model, solid, own, reach, tolerance }.first())
 }
 
 /// The same where the primitive is the first: at their meeting they share the point.
@@ -231,10 +168,6 @@ fn advanced(
             turning_along(&a.motion, way) * reaches[0] + turning_along(&b.motion, way) * reaches[1];
         travel.dot(way) + turning
     };
-    let is_shallow = |way: Option<DVec3>, time: f64| {
-        let deepest = way.map(|way| (1.0 - time) * along(way));
-        deepest.zip(options.shallow).is_some_and(|(deepest, depth)| deepest <= depth)
-    };
     // Two half-spaces that move have no size to go by.
     let mut tolerance = if options.tolerance.is_finite() { options.tolerance } else { 0.0 };
     let mut time = 0.0;
@@ -242,21 +175,14 @@ fn advanced(
         let answer = at(a, b, time)?;
         if time == 0.0 {
             if answer.touches() {
-                let way = options.shallow.and_then(|_| out_of(&a, &b));
-                return Ok(match way {
-                    None => Swept::Initially,
-                    Some(_) if is_shallow(way, 0.0) => Swept::Free,
-                    Some(normal) => {
-                        Swept::Hit { time: 0.0, point: b.motion.start.translation, normal }
-                    }
-                });
+                return Ok(Swept::Initially);
             }
             // What is nearer than that already is not met by it.
             tolerance = tolerance.min(0.5 * answer.separation.lo);
         }
         let way = normal(&answer);
         if answer.distance.unwrap_or(0.0) <= tolerance {
-            return Ok(if is_shallow(way, time) { Swept::Free } else { ended(&answer, time) });
+            return Ok(ended(&answer, time));
         }
         let closing = way.map_or_else(|| speed(&a, &b), |way| along(way).max(0.0));
         let step = (answer.separation.lo - 0.5 * tolerance) / closing;
@@ -266,25 +192,6 @@ fn advanced(
         time += step;
     }
     Ok(Swept::Open { free_before: time })
-}
-
-/// Out of the first of two shapes that touch or overlap at the beginning, into the second: along
-/// the normal of a half-space, or of the deepest contact.
-fn out_of(a: &MovingShape<'_>, b: &MovingShape<'_>) -> Option<DVec3> {
-    let out = |moving: &MovingShape<'_>| match moving.shape.primitive() {
-        Some(Primitive::HalfSpace(HalfSpace { normal, .. })) => {
-            Some(moving.motion.start.world_from_body().apply_vector(*normal))
-        }
-        _ => None,
-    };
-    if let Some(normal) = out(a).or_else(|| Some(-out(b)?)) {
-        return Some(normal);
-    }
-    let demand = Demand::Contacts { margin: 0.0, normals: Normals::Flat };
-    let [a, b] = [a, b].map(|end| PlacedShape { shape: end.shape, pose: end.motion.start });
-    let answer = query_shapes(a, b, &Query::of(demand), &mut PairMemory::default()).ok()?;
-    let deepest = answer.contacts.iter().min_by(|p, q| p.separation.total_cmp(&q.separation));
-    deepest.map(|contact| contact.normal)
 }
 
 /// How far points of a shape that another one may meet are from the pivot of its motion.
@@ -327,7 +234,7 @@ fn ended(answer: &Answer, time: f64) -> Swept {
 mod tests {
     use super::*;
     use crate::primitive::{Capsule, Cone, Cylinder, HalfSpace};
-    use cranny_exact::DQuat;
+    use cranny_exact::{DQuat, Pose};
     use cranny_geometry::BuildOptions;
     use cranny_shapes::{Cup, Shape, Torus};
     use cranny_testkit::Rng;
@@ -419,45 +326,5 @@ mod tests {
             }
         }
         assert!(counts[..3].iter().all(|&count| count > 100) && counts[3] < 40, "{counts:?}");
-    }
-
-    /// In single precision the last time at which two are apart is before they meet.
-    #[test]
-    fn the_last_time_apart_is_just_before_the_meeting() {
-        let [ball, block] = [
-            BodyShape::from(Primitive::from(Ball { center: DVec3::ZERO, radius: 0.5 })),
-            built(cranny_shapes::Cuboid { size: [1.0; 3] }),
-        ];
-        let stored = |pose: &Pose| {
-            let [x, y, z] = pose.translation.to_array().map(|x| f64::from(x as f32));
-            Pose { translation: DVec3::new(x, y, z), ..*pose }
-        };
-        let options = ImpactOptions::within(TOLERANCE);
-        for far in [0.0, 3e4] {
-            let start = Pose::at(DVec3::X * far);
-            let travel = DVec3::X * 10.0;
-            let moving = MovingShape { shape: &ball, motion: Motion::straight(start, travel) };
-            let beside = |x: f64, y: f64| {
-                let start = Pose::at(DVec3::new(far + x, y, 0.0));
-                MovingShape { shape: &block, motion: Motion::at_rest(start) }
-            };
-            let last = last_apart([moving, beside(6.0, 0.0)], &options, stored).unwrap();
-            assert!((0.499..0.5).contains(&last), "{far}: {last}");
-            assert_eq!(last_apart([moving, beside(6.0, 1.1)], &options, stored), None);
-            assert_eq!(last_apart([moving, beside(-6.0, 0.0)], &options, stored), None);
-            assert_eq!(last_apart([moving, beside(0.5, 0.0)], &options, stored), None);
-        }
-        // It ends between two numbers of single precision, and would be rounded into the block.
-        let [from, end] = [3e4, 3e4 + 9.0 + 4e-4];
-        let motion = Motion::straight(Pose::at(DVec3::X * from), DVec3::X * (end - from));
-        let moving = MovingShape { shape: &ball, motion };
-        let wall = Pose::at(DVec3::X * (end + 1.0 + 2e-4));
-        let wall = MovingShape { shape: &block, motion: Motion::at_rest(wall) };
-        let up = |pose: &Pose| {
-            let x = pose.translation.x;
-            Pose { translation: DVec3::X * if x == end { x + 1e-3 } else { x }, ..*pose }
-        };
-        assert_eq!(first_meeting(moving, wall, &options), Ok(Swept::Free));
-        assert!(last_apart([moving, wall], &options, up).is_some_and(|last| last < 1.0));
     }
 }

@@ -31,8 +31,6 @@ pub(crate) struct TurningCast<'a> {
     pub(crate) reach: f64,
     /// How near surfaces are that count as meeting.
     pub(crate) tolerance: f64,
-    /// [`ImpactOptions::shallow`](cranny_impact::ImpactOptions::shallow).
-    pub(crate) shallow: Option<f64>,
 }
 
 /// What comes of a face.
@@ -114,9 +112,6 @@ impl TurningCast<'_> {
                 + turning_along(&self.of_model, normal) * reach;
             let closing = normal.dot(travel) + turning;
             if left <= tolerance {
-                if self.shallow.is_some_and(|depth| (1.0 - time) * closing <= depth) {
-                    return None;
-                }
                 let at = self.contact(&least, outward, &world_from_solid);
                 return Some(Met { time, at: Some(at) });
             }

@@ -15,6 +15,7 @@ mod stepping;
 use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DVec3, Pose};
+use cranny_primitives::CoresOfBodies;
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::math::Real;
 use rapier3d::prelude::{
@@ -69,6 +70,8 @@ pub struct Simulation {
     held_back: usize,
     /// Bodies that were held back in the last step and got nowhere.
     pub(crate) stalled: BTreeSet<u32>,
+    /// Of bodies that something named for it may have met, or that are named.
+    cores: CoresOfBodies<BodyIndex>,
     pub(crate) poses_before: Vec<Pose>,
     /// What the solver's points did in the parts of the last step but its last one, by pairs of
     /// numbers, the lower first.
@@ -149,6 +152,7 @@ impl Simulation {
             timings: Timings::default(),
             held_back: 0,
             stalled: BTreeSet::new(),
+            cores: CoresOfBodies::default(),
             poses_before: Vec::new(),
             earlier_points: BTreeMap::new(),
             log,

@@ -14,7 +14,7 @@ use bevy_transform::components::Transform;
 use cranny_broad_phase::BoxIndex;
 use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_impact::{ImpactOptions, Motion, Way, shorten};
-use cranny_primitives::{BodyShape, MovingShape, last_apart};
+use cranny_primitives::{BodyShape, CoresOfBodies, MovingCores, last_apart};
 use cranny_world::{BodyId, world_box};
 
 use super::HeldBack;
@@ -27,10 +27,6 @@ use crate::properties::AngularVelocity;
 /// How near a body is let to what it would meet, as a part of the smaller one's size. Larger: it
 /// stops visibly short; smaller: single precision does not tell the gap from none.
 const NEAR: f64 = 1e-5;
-
-/// What touches another body and comes nearer to it by no more than this share of its travel slides
-/// along. Larger: it sinks in visibly; smaller: rounded velocities hold what slides.
-const SLIDING: f64 = 1e-6;
 
 /// Where bodies are before anything moves, in each step.
 #[derive(Resource, Debug, Default)]
@@ -50,6 +46,10 @@ pub(super) fn note_starts(
     }
 }
 
+/// The cores of bodies that may have met others on their ways.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct KnownCores(CoresOfBodies<BodyId>);
+
 /// Puts bodies back to where their ways end.
 pub(super) fn hold_back(
     mut bodies: Query<(&Body, &mut Transform, Has<Kinematic>, Option<&AngularVelocity>)>,
@@ -57,7 +57,7 @@ pub(super) fn hold_back(
     time: Res<SimulatedTime>,
     records: Res<Bodies>,
     effects: Res<EffectTable>,
-    mut held: ResMut<HeldBack>,
+    (mut cores, mut held): (ResMut<KnownCores>, ResMut<HeldBack>),
 ) {
     if starts.0.is_empty() {
         return;
@@ -85,8 +85,12 @@ pub(super) fn hold_back(
         ways.insert(body.id, way);
     }
     let pairs = traffic.pairs(&ways, &effects);
+    cores.0.retain(|body| ways.contains_key(body));
+    for &body in pairs.iter().flatten() {
+        cores.0.note(body, shape_of(&records, body));
+    }
     let gives_way = |body: BodyId| traffic.giving[&body];
-    shorten(&mut ways, &pairs, gives_way, |pair, motions| traffic.meeting(pair, motions));
+    shorten(&mut ways, &pairs, gives_way, |pair, motions| meeting(&cores, pair, motions));
     for (body, mut transform, ..) in &mut bodies {
         let Some(way) = ways.get(&body.id).filter(|way| way.is_shortened()) else { continue };
         let scale = transform.scale;
@@ -103,16 +107,27 @@ struct Traffic<'a> {
     giving: BTreeMap<BodyId, bool>,
 }
 
-impl<'a> Traffic<'a> {
-    fn shape(&self, body: BodyId) -> &'a BodyShape {
-        &self.records.get(body).expect("a way is of a body that is present").shape
-    }
+/// What a body is made of that has a way.
+fn shape_of(records: &Bodies, body: BodyId) -> &BodyShape {
+    &records.get(body).expect("a way is of a body that is present").shape
+}
 
+/// At which share of the motions two bodies come as near each other as they are let, in
+/// `Transform`'s numbers. `None` also where one begins within the other.
+fn meeting(known: &KnownCores, pair: [BodyId; 2], motions: [Motion; 2]) -> Option<f64> {
+    let cores = [known.0.get(&pair[0])?, known.0.get(&pair[1])?];
+    let ends = [0, 1].map(|k| MovingCores { cores: cores[k], motion: motions[k] });
+    let sizes = cores.map(|cores| size(cores.shape()));
+    let options = ImpactOptions::within(NEAR * sizes[0].min(sizes[1]));
+    last_apart(ends, &options, |pose| pose_of(&transform_of(pose)))
+}
+
+impl Traffic<'_> {
     /// Pairs that may meet on their ways: one of them is named, and one gives way.
     fn pairs(&self, ways: &BTreeMap<BodyId, Way>, effects: &EffectTable) -> Vec<[BodyId; 2]> {
         let bodies: Vec<BodyId> = ways.keys().copied().collect();
         let boxes: Vec<Aabb> =
-            ways.iter().map(|(&body, way)| swept_box(self.shape(body), way)).collect();
+            ways.iter().map(|(&body, way)| swept_box(shape_of(self.records, body), way)).collect();
         let index = BoxIndex::of(boxes.iter().copied());
         let mut pairs = Vec::new();
         for (&body, around) in bodies.iter().zip(&boxes).filter(|(body, _)| self.giving[body]) {
@@ -125,25 +140,6 @@ impl<'a> Traffic<'a> {
         }
         pairs.sort_unstable();
         pairs
-    }
-
-    /// At which share of the motions two bodies come as near each other as they are let, in
-    /// `Transform`'s numbers. `None` also where one begins within the other.
-    fn meeting(&self, pair: [BodyId; 2], motions: [Motion; 2]) -> Option<f64> {
-        let shapes = pair.map(|body| self.shape(body));
-        let ends = [0, 1].map(|k| MovingShape { shape: shapes[k], motion: motions[k] });
-        let sizes = shapes.map(size);
-        let travels = [0, 1].map(|k| {
-            let turn = motions[k].turn.length();
-            let turned = if sizes[k].is_finite() { turn * sizes[k] } else { 0.0 };
-            motions[k].travel.length() + turned
-        });
-        let travel = travels[0].max(travels[1]);
-        let options = ImpactOptions {
-            shallow: Some(SLIDING * travel),
-            ..ImpactOptions::within(NEAR * sizes[0].min(sizes[1]))
-        };
-        last_apart(ends, &options, |pose| pose_of(&transform_of(pose)))
     }
 }
 

@@ -415,7 +415,8 @@ fn who_does_not_collide_or_is_not_named_passes() {
     }));
 }
 
-/// On the floor of a room that is one mesh, in touch or nearly: a cube does not pass the wall.
+/// On the floor of a room that is one mesh, in touch or nearly: a cube does not pass the wall, and
+/// comes into it by no more than a millionth.
 #[test]
 fn what_touches_a_floor_is_held_by_the_wall_of_the_same_body() {
     for (speed, gap) in [(2.0, 0.0), (100.0, 0.0), (1_000.0, 0.0), (100.0, 1e-5)] {
@@ -432,7 +433,7 @@ fn what_touches_a_floor_is_held_by_the_wall_of_the_same_body() {
         let mut app = app_of(vec![room, guest]);
         steps(&mut app, 192);
         let x = place(&mut app, 1).translation.x;
-        assert!((2.99..=3.0).contains(&x), "{speed}, {gap}: {x}");
+        assert!((2.99..=3.0 + 1e-6).contains(&x), "{speed}, {gap}: {x}");
         lead(&mut app, 1, DVec3::NEG_X);
         steps(&mut app, 64);
         let back = place(&mut app, 1).translation.x;

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
-use cranny_impact::{ImpactOptions, Motion, Way, shorten};
-use cranny_primitives::{BodyShape, MovingShape, let_until};
+use cranny_impact::{Motion, Way, shorten};
+use cranny_primitives::{BodyShape, MovingCores, let_until};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::QueryFilter;
@@ -26,15 +26,6 @@ use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
 use crate::pair::ours;
 use crate::partners::primitive;
-
-/// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
-/// it hovers; smaller: f32 does not tell the gap from none.
-const NEAR: f64 = 0.01;
-
-/// How deep bodies may come into each other within a step, as a part of the thinner body's
-/// thickness: the solver has the contact then, and leads them apart. Larger: it may lead them to
-/// the other side; smaller: what lands, slides and rolls is held back, and loses its speed.
-const SHALLOW: f64 = 0.05;
 
 /// The share of its way below which a body gets nowhere. Larger: what slides along a wall counts;
 /// smaller: what hangs there for many steps does not.
@@ -78,9 +69,15 @@ impl Simulation {
         if !named.is_empty() && self.options.detector == Detector::Cranny {
             ways.extend(self.indices().map(|body| (body, self.way_of(body))));
             let pairs = self.pairs_on_the_way(&named, &ways, hooks);
+            for &body in pairs.iter().flatten() {
+                if let Some(shape) = self.shape_of(body) {
+                    self.cores.note(body, &shape);
+                }
+            }
             let gives_way = |body| self.can_be_held(body);
             shorten(&mut ways, &pairs, gives_way, |pair, motions| self.meeting(pair, motions));
         }
+        self.cores.retain(|body| ways.contains_key(body));
         self.stop(&ways);
     }
 
@@ -224,17 +221,8 @@ impl Simulation {
     /// At which share of the ways that are left two bodies come as near each other as they are let.
     /// `None` also where one begins within the other.
     fn meeting(&self, pair: [BodyIndex; 2], motions: [Motion; 2]) -> Option<f64> {
-        let shapes = [self.shape_of(pair[0])?, self.shape_of(pair[1])?];
-        let ends = [0, 1].map(|k| MovingShape { shape: &shapes[k], motion: motions[k] });
-        let sizes = pair.map(|body| {
-            let tagged = &self.tagged[body.0 as usize];
-            f64::from(tagged.thickness.min(tagged.radius))
-        });
-        let thin = sizes[0].min(sizes[1]);
-        // Surfaces without a volume have no depth.
-        let is_solid = |body: BodyIndex| self.tagged[body.0 as usize].thickness.is_finite();
-        let shallow = Some(if pair.into_iter().any(is_solid) { SHALLOW * thin } else { 0.0 });
-        let options = ImpactOptions { tolerance: NEAR * thin, shallow, budget: BUDGET };
-        let_until(ends, &options)
+        let cores = [self.cores.get(&pair[0])?, self.cores.get(&pair[1])?];
+        let ends = [0, 1].map(|k| MovingCores { cores: cores[k], motion: motions[k] });
+        let_until(ends, BUDGET)
     }
 }
