@@ -2,7 +2,7 @@
 //!
 //! A body that is held where its surface meets another one is held where it slides, rolls and rests
 //! as well. So what is swept is a core: it is free of whatever the body merely touches, and where
-//! the core passes through nothing, the body passes through nothing ([`hold`](crate::let_until)).
+//! the core passes through nothing, the body passes through nothing ([`let_until`](crate::let_until)).
 //!
 //! A body has a core for each of a series of depths, each twice the one before. That of a mesh has
 //! the mesh's faces, their vertices moved so that all faces around lie as deep: about half-way

@@ -501,3 +501,29 @@ fn who_is_pursued_goes_on_and_what_has_no_velocity_holds() {
     steps(&mut app, 4);
     assert!(world(&mut app).get::<Transform>(guest).unwrap().translation.x < -1.0);
 }
+
+/// What touches a thin floor is led no deeper into it, wherever it stands.
+#[test]
+fn what_touches_a_thin_floor_is_not_led_through() {
+    let mut rng = Rng::new(3);
+    for i in 0..30 {
+        let (size, sunk) = ([0.2, 1.0][i % 2], [0.0, 1e-7, 1e-5, 1e-4][i / 2 % 4]);
+        let floor = BodyDescription {
+            collision: Arc::new(Cuboid { size: [80.0, 80.0, 0.02] }.build().unwrap()),
+            ..cube("floor", BodyKind::Fixed, DVec3::Z * -0.01, DVec3::ZERO)
+        };
+        let at = DVec3::new(3.0 * rng.unit(), 3.0 * rng.unit(), 0.5 * size - sunk);
+        let guest = BodyDescription {
+            collision: Arc::new(Cuboid { size: [size; 3] }.build().unwrap()),
+            ..cube("guest", BodyKind::Kinematic, at, DVec3::Z * -25.6)
+        };
+        let mut app = app_of(vec![floor, guest]);
+        steps(&mut app, 31);
+        let came = at.z - f64::from(place(&mut app, 1).translation.z);
+        assert!(came < 1e-6 + 2.0 * sunk, "{size}, {sunk} deep: by {came}");
+        lead(&mut app, 1, DVec3::X);
+        steps(&mut app, 64);
+        let slid = f64::from(place(&mut app, 1).translation.x) - at.x;
+        assert!((slid - 1.0).abs() < 0.02, "{size}, {sunk} deep: it slid by {slid}");
+    }
+}
