@@ -2,7 +2,8 @@
 //!
 //! A body that is held where its surface meets another one is held where it slides, rolls and rests
 //! as well. So what is swept is a core: it is free of whatever the body merely touches, and where
-//! the core passes through nothing, the body passes through nothing ([`let_until`](crate::let_until)).
+//! the core passes through nothing, the body passes through nothing
+//! ([`let_until`](crate::let_until)).
 //!
 //! A body has a core for each of a series of depths, each twice the one before. That of a mesh has
 //! the mesh's faces, their vertices moved so that all faces around lie as deep: about half-way
@@ -33,8 +34,8 @@ const THROUGH: f64 = 0.4;
 /// far below its tip; smaller: it lies nearly in its sides.
 const FARTHEST: f64 = 4.0;
 
-/// Cosine of the angle (0.8 degrees) within which faces at a vertex are of one side. A larger angle:
-/// of a finely cut edge one side is forgotten; a smaller one: rounding makes two of one.
+/// Cosine of the angle (0.8 degrees) within which faces at a vertex are of one side. A larger
+/// angle: of a finely cut edge one side is forgotten; a smaller one: rounding makes two of one.
 const ONE_SIDE: f64 = 0.9999;
 
 /// From how far beneath a vertex the way through the body is measured, as a share of its radius.
@@ -204,7 +205,7 @@ mod tests {
         Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0.into()
     }
 
-    /// Each core of a mesh lies within the body, as deep as it says, or less where the body is thin.
+    /// Each core of a mesh lies within the body, as deep as it says, or less where that is thin.
     #[test]
     fn a_core_of_a_mesh_lies_as_deep_as_it_says() {
         let meshes = [

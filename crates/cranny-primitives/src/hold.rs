@@ -1,7 +1,7 @@
 //! Up to when two bodies are let on their ways, so that neither passes through the other.
 //!
-//! Bodies that are apart are let until just before they meet ([`last_apart`]). Where a solver pushes
-//! bodies apart, or where they touch from the beginning, one of them is held by a core
+//! Bodies that are apart are let until just before they meet ([`last_apart`]). Where a solver
+//! pushes bodies apart, or where they touch from the beginning, one of them is held by a core
 //! ([`Cores`]): what touches slides, rolls, leaves and lands, and comes into the other by no more
 //! than the core is deep. It is the shallowest core that serves: of those below a share of the
 //! thinner body's thickness, the deepest; where the other body is in it already, or about to be,

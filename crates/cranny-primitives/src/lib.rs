@@ -62,7 +62,8 @@
 //! about two of them, `convex` about two primitives. `ray` casts rays at models, `shape_ray` at
 //! shapes; `cast` moves primitives at them, `turning_cast` moves them as they turn,
 //! and `sweep` any shape at any other. `cores` are what is left of a body below its surface, and
-//! `hold` says up to when bodies are let on their ways for none to pass through another. `text` writes primitives down. `deep` finds contacts
+//! `hold` says up to when bodies are let on their ways for none to pass through another. `text`
+//! writes primitives down. `deep` finds contacts
 //! that lead a solver's bodies out of a deep overlap, and `percussion` the places at which to lead
 //! a body without turning it; `escape` finds a translation that ends an overlap, for whoever has no
 //! solver.

@@ -114,8 +114,8 @@ impl Searches {
         }
     }
 
-    /// Notes that a pair was searched: pose, reach, and how far a way out lasts. `None` where what was
-    /// found is of the present pose alone.
+    /// Notes that a pair was searched: pose, reach, and how far a way out lasts. `None` where what
+    /// was found is of the present pose alone.
     pub(crate) fn note(&self, tags: (u32, u32), search: Option<(Pose, f64, Option<f64>)>) {
         self.known().counts.searched += 1;
         match search {

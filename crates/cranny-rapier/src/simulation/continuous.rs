@@ -43,11 +43,11 @@ const BUDGET: u64 = 200_000;
 impl Simulation {
     /// Says whether a body passes through no other one, and no other one through it, however fast,
     /// from now on; until then it may, where it moves by more than its radius in a step. It costs
-    /// some sweeps for each body that is near its way, certified between meshes, in steps in which it
-    /// moves by more than half of what the thinner of both is thick; and once for a mesh, the cores
-    /// that are swept. With our detector, and where neither lies wholly within the other; kinematic
-    /// bodies and links of a robot are not held back, nor are two surfaces without a volume that
-    /// touch. Of hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
+    /// some sweeps for each body that is near its way, certified between meshes, in steps in which
+    /// it moves by more than half of what the thinner of both is thick; and once for a mesh, the
+    /// cores that are swept. With our detector, and where neither lies wholly within the other;
+    /// kinematic bodies and links of a robot are not held back, nor are two surfaces without a
+    /// volume that touch. Of hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
     pub fn set_continuous(&mut self, body: BodyIndex, continuous: bool) {
         let handle = self.handle(body);
         // rapier's own way is off for our shapes, which are as thick as can be to it.
