@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildOptions, Mesh, Model, VertexId};
+use cranny_geometry::{BuildOptions, FaceId, Mesh, Model, VertexId};
 
 use crate::primitive::{Ball, Capsule, Cone, Cylinder, Primitive};
 use crate::ray::cast_ray;
@@ -38,6 +38,10 @@ const FARTHEST: f64 = 4.0;
 /// angle: of a finely cut edge one side is forgotten; a smaller one: rounding makes two of one.
 const ONE_SIDE: f64 = 0.9999;
 
+/// Steps towards the middle of the sides at a vertex. Fewer: the core of a sharp corner lies askew;
+/// more: nothing.
+const STEPS_TO_THE_MIDDLE: u32 = 64;
+
 /// From how far beneath a vertex the way through the body is measured, as a share of its radius.
 /// Smaller: rays meet the vertex's own faces, by rounding; larger: thin walls are missed.
 const BENEATH: f64 = 1e-6;
@@ -50,6 +54,8 @@ pub struct Cores(Arc<Series>);
 struct Series {
     shape: BodyShape,
     thickness: f64,
+    /// Of a mesh's vertices.
+    inwards: OnceLock<Vec<Inwards>>,
     cores: [OnceLock<Option<BodyShape>>; LEVELS],
 }
 
@@ -58,7 +64,8 @@ impl Cores {
     #[must_use]
     pub fn of(shape: BodyShape) -> Self {
         let thickness = shape.thickness();
-        Self(Arc::new(Series { shape, thickness, cores: Default::default() }))
+        let (inwards, cores) = (OnceLock::new(), Default::default());
+        Self(Arc::new(Series { shape, thickness, inwards, cores }))
     }
 
     /// The shape itself.
@@ -89,7 +96,10 @@ impl Cores {
             return None;
         }
         let make = || match self.shape() {
-            BodyShape::Model(model) => sunk(model, self.depth(level)).map(BodyShape::from),
+            BodyShape::Model(model) => {
+                let inwards = self.0.inwards.get_or_init(|| inwards(model));
+                sunk(model, inwards, self.depth(level)).map(BodyShape::from)
+            }
             BodyShape::Primitive(primitive) => {
                 smaller(primitive, self.depth(level)).map(BodyShape::from)
             }
@@ -129,35 +139,94 @@ impl<K: Ord> CoresOfBodies<K> {
     }
 }
 
-/// A model whose surface lies so deep in that of another one.
-fn sunk(model: &Model, depth: f64) -> Option<Model> {
+/// How the vertices of a model are moved inwards: depths apart, the same for all cores.
+fn inwards(model: &Model) -> Vec<Inwards> {
     let mesh = model.mesh();
-    let vertices = (0..).map(VertexId).zip(mesh.vertices());
-    let vertices = vertices.map(|(vertex, &place)| place + inwards(model, vertex, depth));
+    let faces = (0..mesh.faces().len() as u32).map(FaceId);
+    // From the middle of each face to the other side of the body.
+    let through: Vec<f64> = faces
+        .map(|face| {
+            let [a, b, c] = mesh.triangle(face);
+            let inward = mesh.area_vector(face).try_normalize().map(|normal| -normal);
+            let way = inward.and_then(|way| way_through(model, (a + b + c) / 3.0, way));
+            way.unwrap_or(f64::INFINITY)
+        })
+        .collect();
+    let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+    vertices.map(|vertex| Inwards::of(model, vertex, &through)).collect()
+}
+
+/// A model whose surface lies so deep in that of another one.
+fn sunk(model: &Model, inwards: &[Inwards], depth: f64) -> Option<Model> {
+    let mesh = model.mesh();
+    let vertices = mesh.vertices().iter().zip(inwards);
+    let vertices = vertices.map(|(&place, inwards)| place + inwards.by(depth));
     let sunk = Mesh::new(vertices.collect(), mesh.faces().to_vec()).ok()?;
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     Some(Model::build(sunk, &options).ok()?.0)
 }
 
-/// By what a vertex is moved so that the faces around it lie at a depth.
-fn inwards(model: &Model, vertex: VertexId, depth: f64) -> DVec3 {
-    let mesh = model.mesh();
-    let around = model.topology().faces_at(vertex);
-    // Each direction once: how a side is cut into triangles changes nothing.
-    let mut normals: Vec<DVec3> = Vec::with_capacity(around.len());
-    for normal in around.iter().filter_map(|&face| mesh.area_vector(face).try_normalize()) {
-        if normals.iter().all(|known| known.dot(normal) < ONE_SIDE) {
-            normals.push(normal);
+/// How a vertex is moved inwards.
+#[derive(Debug)]
+struct Inwards {
+    way: DVec3,
+    /// In multiples of the depth: all sides around lie as deep then.
+    scale: f64,
+    /// How far it is moved at most.
+    room: f64,
+}
+
+impl Inwards {
+    /// `through` is how far it is through the body from each face.
+    fn of(model: &Model, vertex: VertexId, through: &[f64]) -> Self {
+        let at = model.mesh().vertices()[vertex.index()];
+        let normals = normals_at(model, vertex);
+        let out = amid(&normals);
+        let least = normals.iter().map(|normal| normal.dot(out)).fold(1.0, f64::min);
+        // A saddle is behind none of its sides wholly: behind one of them there is some of the body.
+        let mut ways = std::iter::once(out).chain(normals.iter().copied());
+        let inner = ways.find_map(|out| Some((-out, way_through(model, at, -out)?)));
+        let (way, room) = inner.unwrap_or((DVec3::ZERO, 0.0));
+        let around = model.topology().faces_at(vertex).iter().map(|face| through[face.index()]);
+        Self {
+            way,
+            scale: if least > 0.0 { least.recip().min(FARTHEST) } else { 1.0 },
+            room: THROUGH * around.fold(room, f64::min),
         }
     }
-    let Some(out) = normals.iter().sum::<DVec3>().try_normalize() else { return DVec3::ZERO };
-    let least = normals.iter().map(|normal| normal.dot(out)).fold(1.0, f64::min);
-    let wanted = depth * if least > 0.0 { least.recip().min(FARTHEST) } else { FARTHEST };
+
+    fn by(&self, depth: f64) -> DVec3 {
+        self.way * (self.scale * depth).min(self.room)
+    }
+}
+
+/// The directions of the sides at a vertex.
+fn normals_at(model: &Model, vertex: VertexId) -> Vec<DVec3> {
+    let mut normals: Vec<DVec3> = Vec::new();
+    for &face in model.topology().faces_at(vertex) {
+        let normal = model.mesh().area_vector(face).try_normalize();
+        normals.extend(normal.filter(|n| normals.iter().all(|known| known.dot(*n) < ONE_SIDE)));
+    }
+    normals
+}
+
+/// The direction from which the farthest of some directions is nearest: the middle of the least
+/// ball around them, by steps towards the farthest (Badoiu and Clarkson 2003).
+fn amid(directions: &[DVec3]) -> DVec3 {
+    let mut middle = directions.iter().sum::<DVec3>() / directions.len().max(1) as f64;
+    for step in 1..=STEPS_TO_THE_MIDDLE {
+        let away = |n: &DVec3| n.distance_squared(middle);
+        let farthest = directions.iter().max_by(|p, q| away(p).total_cmp(&away(q)));
+        middle += (farthest.copied().unwrap_or(middle) - middle) / f64::from(step + 1);
+    }
+    middle.normalize_or_zero()
+}
+
+/// How far it is through a body from a place on its surface; `None` where a direction leads out.
+fn way_through(model: &Model, at: DVec3, inward: DVec3) -> Option<f64> {
     let beneath = BENEATH * model.radius();
-    let from = mesh.vertices()[vertex.index()] - beneath * out;
-    let through = cast_ray(model, from, -out, f64::INFINITY).ok().flatten();
-    let room = through.map_or(f64::INFINITY, |hit| THROUGH * (hit.distance + beneath));
-    -out * wanted.min(room)
+    let hit = cast_ray(model, at + beneath * inward, inward, f64::INFINITY).ok()??;
+    hit.from_behind.then_some(hit.distance + beneath)
 }
 
 /// A primitive that is smaller by a depth on all sides.
@@ -205,6 +274,16 @@ mod tests {
         Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0.into()
     }
 
+    /// Flat below, with a ridge above: the sum of the sides at its tip looks up.
+    fn arrow() -> BodyShape {
+        let vertices = [[0.0, 0.3, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, 0.4], [2.0, 0.0, 0.0]];
+        let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mesh = Mesh::new(vertices.map(DVec3::from_array).to_vec(), faces).unwrap();
+        let arrow = Model::build(mesh, &BuildOptions::default()).unwrap().0;
+        assert!(arrow.mass_properties().is_some_and(|mass| mass.volume > 0.0));
+        arrow.into()
+    }
+
     /// Each core of a mesh lies within the body, as deep as it says, or less where that is thin.
     #[test]
     fn a_core_of_a_mesh_lies_as_deep_as_it_says() {
@@ -215,6 +294,7 @@ mod tests {
             built(Hook::default()),
             built(Torus::default()),
             built(IsoNut::default()),
+            arrow(),
         ];
         for (index, shape) in meshes.into_iter().enumerate() {
             let cores = Cores::of(shape);

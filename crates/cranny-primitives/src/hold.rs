@@ -8,7 +8,7 @@
 //! the next one. The deepest core of all is held whatever is near it.
 //!
 //! The core is that of the thicker body, or of two alike of the one of fewer faces: a plate is held
-//! by the core of the block that it lands on.
+//! by the core of the block that it lands on. Where none of it serves, one of the other body does.
 
 use cranny_exact::Pose;
 use cranny_impact::{ImpactOptions, Motion};
@@ -151,13 +151,21 @@ struct Held<'a> {
 
 impl Held<'_> {
     fn until(&self) -> Option<f64> {
-        let Some(owner) = self.owner() else {
+        let owners = self.owners();
+        if owners.is_empty() {
             let tolerance = NEAR * SHALLOW * self.ends[0].size().min(self.ends[1].size());
             return self.let_by(self.ends.map(MovingCores::whole), tolerance);
-        };
+        }
+        owners.into_iter().find_map(|owner| self.until_core_of(owner))?
+    }
+
+    /// Up to when the first core of a body that serves is let, which is `None` where it meets
+    /// nothing; `None` where none of them serves.
+    fn until_core_of(&self, owner: usize) -> Option<Option<f64>> {
         let cores = self.ends[owner].cores;
         let first = (0..LEVELS).rev().find(|&level| cores.depth(level) <= self.from).unwrap_or(0);
-        (first..LEVELS).find_map(|level| {
+        // Where a core pokes out of its body, by crossing itself, a shallower one does so less.
+        (first..LEVELS).chain((0..first).rev()).find_map(|level| {
             let mut held = self.ends.map(MovingCores::whole);
             held[owner].shape = cores.core(level)?;
             let depth = cores.depth(level);
@@ -166,16 +174,17 @@ impl Held<'_> {
             let starts = held.map(|end| (end.shape, end.motion.start));
             let serves = gap(starts, depth).is_some_and(|gap| gap > free * depth);
             serves.then(|| self.let_by(held, NEAR * depth))
-        })?
+        })
     }
 
-    /// Whose core is held: `None` where neither bounds a volume.
-    fn owner(&self) -> Option<usize> {
+    /// Whose cores are held, those first that serve better; empty where neither bounds a volume.
+    fn owners(&self) -> Vec<usize> {
         let thick = |k: usize| self.ends[k].cores.thickness();
-        let known = |k: &usize| thick(*k).is_finite();
-        let most = [0, 1].into_iter().filter(known).map(thick).reduce(f64::max)?;
-        let alike = [0, 1].into_iter().filter(known).filter(|&k| ALIKE * thick(k) >= most);
-        alike.min_by_key(|&k| self.ends[k].cores.faces())
+        let mut owners = vec![0, 1];
+        owners.retain(|&k| thick(k).is_finite());
+        let most = owners.iter().map(|&k| thick(k)).fold(0.0, f64::max);
+        owners.sort_by_key(|&k| (ALIKE * thick(k) < most, self.ends[k].cores.faces()));
+        owners
     }
 
     fn let_by(&self, held: [MovingShape<'_>; 2], tolerance: f64) -> Option<f64> {

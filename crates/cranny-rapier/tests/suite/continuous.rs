@@ -625,3 +625,56 @@ fn what_tips_over_goes_as_far_as_unnamed() {
     assert!((named - unnamed).abs() < 0.01 * unnamed, "{named}, not {unnamed}: {strayed:?}");
     assert!(strayed.len() <= 2, "{strayed:?}");
 }
+
+/// Whoever lies on a floor and is thrown at a fence of the same body, at 400 a second.
+fn passes_along(ground: &Model, of: &Model, at: DVec3, is_beyond: impl Fn(DVec3) -> bool) -> bool {
+    let gravity = DVec3::Z * -10.0;
+    let mut simulation =
+        Simulation::new(SimulationOptions { gravity, ..SimulationOptions::default() });
+    simulation.insert(&spec(ground, BodyKind::Fixed, DVec3::ZERO)).unwrap();
+    let body = simulation.insert(&flying(of, at, DVec3::X * 400.0)).unwrap();
+    simulation.set_continuous(body, true);
+    let center = of.mass_properties().expect("a solid").center;
+    (0..30).any(|_| {
+        simulation.step();
+        is_beyond(simulation.pose(body).world_from_body().apply(center))
+    })
+}
+
+/// Tips above a flat side, faces that coincide, fins on thick blocks: whatever a body's surface
+/// looks like, some core of it or of the other body holds it.
+#[test]
+fn bodies_of_any_make_are_held() {
+    let boxes = |add: Vec<[[f64; 3]; 2]>| built(Boxes { add, cut: vec![] }.build().unwrap());
+    let fence =
+        boxes(vec![[[-8.0, -8.0, -0.2], [8.0, 8.0, 0.0]], [[0.0, -8.0, 0.0], [0.1, 8.0, 4.0]]]);
+    let arrow = [[0.0, 0.3, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, 0.4], [2.0, 0.0, 0.0]];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let arrow = built(Mesh::new(arrow.map(DVec3::from_array).to_vec(), faces).unwrap());
+    // Two cubes side by side, whose sides coincide.
+    let cube = Cuboid { size: [0.5; 3] }.build().unwrap();
+    let (count, moved) = (cube.vertices().len() as u32, DVec3::Y * 0.5);
+    let vertices =
+        [0.0, 1.0].into_iter().flat_map(|k| cube.vertices().iter().map(move |p| p + moved * k));
+    let faces =
+        [0, count].into_iter().flat_map(|k| cube.faces().iter().map(move |f| f.map(|v| v + k)));
+    let pair = built(Mesh::new(vertices.collect(), faces.collect()).unwrap());
+    for (body, lift) in [(&arrow, 0.0), (&pair, 0.25)] {
+        for gap in [0.0, 1e-3, -1e-4] {
+            let at = DVec3::new(-3.0, 0.0, lift + gap);
+            assert!(!passes_along(&fence, body, at, |center| center.x > 0.2), "{lift} {gap}");
+        }
+    }
+    let cube = cuboid(1.5, 1.5, 1.5);
+    for thick in [0.02, 0.005] {
+        let lane = boxes(vec![
+            [[-20.0, -6.0, -5.0], [20.0, 6.0, 0.0]],
+            [[-20.0, 0.0, 0.0], [20.0, thick, 3.0]],
+            [[19.5, -6.0, 0.0], [20.0, 6.0, 5.0]],
+        ]);
+        for gap in [0.0, 1e-3] {
+            let at = DVec3::new(15.1, thick + 0.75 + gap, 0.75);
+            assert!(!passes_along(&lane, &cube, at, |center| center.x > 20.0), "{thick} {gap}");
+        }
+    }
+}
