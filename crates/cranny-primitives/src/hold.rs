@@ -39,6 +39,10 @@ const DEEP: f64 = 0.2;
 /// good.
 const FREE: f64 = 0.25;
 
+/// Which of the shallower cores are tried where none of the deeper ones serves. More: fewer are made
+/// in vain; fewer: bodies that hardly overlap are held sooner.
+const SHALLOWER: usize = 3;
+
 /// A thickness counts as another's up to this many times it. Larger: plates are held by cores of
 /// their own, which their resting overlap reaches; smaller: cores of large meshes are made in vain.
 const ALIKE: f64 = 2.0;
@@ -165,7 +169,8 @@ impl Held<'_> {
         let cores = self.ends[owner].cores;
         let first = (0..LEVELS).rev().find(|&level| cores.depth(level) <= self.from).unwrap_or(0);
         // Where a core pokes out of its body, by crossing itself, a shallower one does so less.
-        (first..LEVELS).chain((0..first).rev()).find_map(|level| {
+        let shallower = (0..first).rev().step_by(SHALLOWER);
+        (first..LEVELS).chain(shallower).find_map(|level| {
             let mut held = self.ends.map(MovingCores::whole);
             held[owner].shape = cores.core(level)?;
             let depth = cores.depth(level);
