@@ -1,6 +1,6 @@
 //! Where on two bodies a search looks, face by face: for drawing.
 
-use cranny_geometry::clusters::{Child, LANES};
+use cranny_geometry::clusters::LANES;
 use cranny_geometry::{FaceId, HalfEdgeId, Model};
 
 use crate::answer::Feature;
@@ -78,25 +78,20 @@ impl<'m> SearchHeat<'m> {
         &self.faces[body]
     }
 
-    /// How often each face of a body was looked at: by itself, with its cluster, or in a box that
-    /// holds it.
+    /// How often each face of a body was looked at: by itself, with its cluster, or in the box of
+    /// its cluster. (Larger boxes do not count: what is in them is not looked at yet.)
     #[must_use]
     pub fn looked_at(&self, body: usize) -> Vec<u64> {
         let mut times = self.faces[body].clone();
         let tree = self.models[body].clusters();
-        let mut stack = vec![(Child::ROOT, self.whole[body])];
-        while let Some((child, above)) = stack.pop() {
-            if child.is_cluster() {
+        for (node, boxed) in tree.nodes().iter().zip(&self.boxes[body]) {
+            let children = node.children.iter().zip(boxed).take(node.count as usize);
+            for (child, boxed) in children.filter(|(child, _)| child.is_cluster()) {
                 let faces = &tree.clusters()[child.index()].faces;
                 for face in &faces.ids[..faces.count as usize] {
-                    times[face.index()] += above + self.clusters[body][child.index()];
+                    times[face.index()] += boxed + self.clusters[body][child.index()];
                 }
-                continue;
             }
-            let node = &tree.nodes()[child.index()];
-            let lanes = self.boxes[body][child.index()];
-            let children = node.children.iter().zip(lanes).take(node.count as usize);
-            stack.extend(children.map(|(&child, times)| (child, above + times)));
         }
         times
     }

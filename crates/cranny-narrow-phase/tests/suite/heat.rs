@@ -13,7 +13,7 @@ use crate::solids::shape;
 
 /// Frames of a slow motion, and what it is from one to the next.
 const FRAMES: usize = 12;
-const STEP: f64 = 0.01;
+const STEP: f64 = 0.004;
 
 fn demands() -> [Demand; 5] {
     [
@@ -69,7 +69,7 @@ fn what_is_seen_adds_up_to_the_counters_and_changes_nothing_cold_and_warm() {
             let question = Query::of(demand).by(method);
             let mut memories = [PairMemory::default(), PairMemory::default()];
             let mut seen = 0;
-            for poses in frames(0.35) {
+            for poses in frames(0.38) {
                 let placed = [0, 1].map(|i| Placed { model: &rings[i], pose: poses[i] });
                 let (answer, _) = observed(placed, &question, &mut memories);
                 seen += answer.counters.triangle_tests + answer.counters.cluster_tests;
@@ -117,9 +117,9 @@ fn frames_that_follow_others_look_at_less_than_such_from_nothing() {
             observed(placed, &question, &mut memories).1,
         ];
         for (looked, heat) in looked.iter_mut().zip(heats).filter(|_| k > 1) {
-            *looked += heat.looked_at(0).iter().sum::<u64>();
+            *looked += heat.boxes(0) + heat.looked_at(0).iter().sum::<u64>();
         }
     }
     let [from_nothing, next] = looked;
-    assert!(3 * next < from_nothing, "{next} beside {from_nothing}");
+    assert!(2 * next < from_nothing, "{next} beside {from_nothing}");
 }
