@@ -239,8 +239,8 @@ impl ScenePainter {
         self.seen_through(renderer, moment, style, size)
     }
 
-    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion) and of what
-    /// a search [keeps](ScenePainterView::Heat): moments in the order of time.
+    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion) and of the
+    /// [heat](ScenePainterView::Heat) of what follows: moments in the order of time.
     pub fn follow(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
         self.trails.note(time, poses);
     }

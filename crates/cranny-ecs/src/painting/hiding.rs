@@ -1,4 +1,5 @@
-//! Which stationary bodies stand between the eye and what moves, and which marks lie behind surfaces.
+//! Which stationary bodies stand between the eye and what moves, and which marks lie behind
+//! surfaces.
 
 use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::Model;
@@ -70,11 +71,11 @@ pub(super) struct Sight<'a> {
     eye: DVec3,
     /// So far before a point what stands there does not hide it.
     slack: f64,
-    bodies: Vec<Obstacle<'a>>,
+    bodies: Vec<Screen<'a>>,
 }
 
 /// A body that lines of sight may meet.
-struct Obstacle<'a> {
+struct Screen<'a> {
     model: &'a Model,
     body_from_world: RigidMap,
     /// Of a ball around it, in world coordinates.
@@ -89,7 +90,7 @@ impl<'a> Sight<'a> {
         let placed = coats.iter().filter_map(|(id, coat)| Some((coat, moment.poses.get(&id)?)));
         let bodies = placed.filter_map(|(coat, pose)| {
             let (model, bounds) = (coat.seen()?, coat.bounds(pose));
-            Some(Obstacle {
+            Some(Screen {
                 model,
                 body_from_world: pose.world_from_body().inverse(),
                 center: bounds.center(),
@@ -144,7 +145,7 @@ mod tests {
         let cube = Cuboid { size: [2.0; 3] }.build().unwrap();
         let (cube, _) = Model::build(cube, &BuildOptions::default()).unwrap();
         let at = DVec3::X * 10.0;
-        let obstacle = Obstacle {
+        let obstacle = Screen {
             model: &cube,
             body_from_world: Pose::at(at).world_from_body().inverse(),
             center: at,

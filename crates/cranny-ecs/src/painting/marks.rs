@@ -39,7 +39,7 @@ const BEHIND: u8 = 105;
 const ON_SURFACE: f64 = 0.008;
 
 /// Segments of curves of which it is asked whether they are hidden; with more, all are drawn alike.
-const SEGMENTS_MAX: usize = 4_000;
+const SEGMENTS_MAX: usize = 20_000;
 
 /// What colours and lengths are measured by.
 pub(super) struct Scales<'a> {

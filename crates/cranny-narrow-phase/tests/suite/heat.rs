@@ -25,8 +25,8 @@ fn demands() -> [Demand; 5] {
     ]
 }
 
-/// Rings that hang in each other come together: their middles are `last` apart in the end. Below 0.4
-/// they cross.
+/// Rings that hang in each other come together: their middles are `last` apart in the end. Below
+/// 0.4 they cross.
 fn frames(last: f64) -> Vec<[Pose; 2]> {
     let rotation = DQuat::from_rotation_x(1.5);
     let apart = |k: usize| last + STEP * (FRAMES - 1 - k) as f64;
