@@ -28,6 +28,7 @@ const CROWD: usize = 60;
 /// Of more contacts than this, those across a gap are left out.
 const THRONG: usize = 250;
 const CURVE: f32 = 2.2;
+const THIN: f32 = 1.4;
 const SHAFT: f32 = 2.4;
 
 /// Alpha of marks behind a surface, of 255. Higher: they look painted on what hides them; lower:
@@ -37,6 +38,12 @@ const BEHIND: u8 = 105;
 /// A mark that lies no deeper beneath a surface than this part of the picture's height is on it, as
 /// contacts between two bodies are.
 const ON_SURFACE: f64 = 0.008;
+
+/// Dashes of curves behind a surface, and what is between them: parts of the picture's height.
+const DASH: f64 = 0.014;
+
+/// Pieces at most that a segment is divided into: all of its dashes, where it is in the picture.
+const PIECES_MAX: f64 = 256.0;
 
 /// Segments of curves of which it is asked whether they are hidden; with more, all are drawn alike.
 const SEGMENTS_MAX: usize = 20_000;
@@ -122,7 +129,7 @@ pub(super) fn push_contacts(
     let regions = || moment.pairs.iter().flat_map(|pair| &pair.answer.regions);
     let segments: usize = regions().flat_map(|r| &r.curves).map(|c| c.points.len()).sum();
     for region in regions() {
-        push_region(list, region, |at| segments <= SEGMENTS_MAX && behind(at));
+        push_region(list, region, |at| segments <= SEGMENTS_MAX && behind(at), DASH * height);
     }
     let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let radius = if count > CROWD { CROWDED } else { POINT };
@@ -150,11 +157,11 @@ pub(super) fn key_of_hidden(list: &DrawList) -> Option<Key> {
     let points = list.points.iter().any(|point| is_faint(point.color));
     let any = points || list.lines.iter().any(|line| is_faint(line.color));
     let faint = palette::INK.over(palette::PAPER, BEHIND);
-    any.then(|| Key::new(Mark::Arrow(faint), "fainter: behind a surface"))
+    any.then(|| Key::new(Mark::Arrow(faint), "fainter, dashed: behind a surface"))
 }
 
 /// The area that a region's curves enclose; of a region across a gap, what its points surround.
-fn push_region(list: &mut DrawList, region: &Region, behind: impl Fn(DVec3) -> bool) {
+fn push_region(list: &mut DrawList, region: &Region, behind: impl Fn(DVec3) -> bool, dash: f64) {
     let closed = region.curves.iter().filter(|curve| curve.closed && curve.points.len() > 2);
     let loops: Vec<Vec<DVec3>> = closed.map(|curve| curve.points.clone()).collect();
     if !loops.is_empty() {
@@ -168,10 +175,31 @@ fn push_region(list: &mut DrawList, region: &Region, behind: impl Fn(DVec3) -> b
         let ends = curve.points.windows(2).map(|ends| [ends[0], ends[1]]);
         let last = curve.closed.then(|| [curve.points.last(), curve.points.first()]);
         let last = last.and_then(|[a, b]| Some([*a?, *b?]));
+        let mut along = 0.0;
         for [from, to] in ends.chain(last) {
-            let color = faint_if(behind(0.5 * (from + to)), palette::OVERLAP);
-            let line = Line { from, to, color, width: [CURVE; 2], on_top: true };
-            list.lines.push(line);
+            match behind(0.5 * (from + to)) {
+                true => push_dashes(list, [from, to], along, dash),
+                false => {
+                    let (color, width) = (palette::OVERLAP, [CURVE; 2]);
+                    list.lines.push(Line { from, to, color, width, on_top: true });
+                }
+            }
+            along += from.distance(to);
+        }
+    }
+}
+
+/// What of a segment lies in dashes of a curve: `along` is how far along it the segment begins.
+fn push_dashes(list: &mut DrawList, [from, to]: [DVec3; 2], along: f64, dash: f64) {
+    let length = from.distance(to);
+    let pieces = (length / dash).ceil().clamp(1.0, PIECES_MAX);
+    for k in 0..pieces as u32 {
+        let [start, end] = [k, k + 1].map(|k| f64::from(k) / pieces);
+        let middle = along + 0.5 * (start + end) * length;
+        if (middle / dash) % 2.0 < 1.0 {
+            let [from, to] = [start, end].map(|t| from.lerp(to, t));
+            let (color, width) = (palette::OVERLAP.with_alpha(BEHIND), [THIN; 2]);
+            list.lines.push(Line { from, to, color, width, on_top: true });
         }
     }
 }
