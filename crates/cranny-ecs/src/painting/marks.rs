@@ -298,7 +298,23 @@ pub(super) fn ring(list: &mut DrawList, focus: &Focus, camera: &Camera) {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::*;
+
+    #[test]
+    fn half_of_a_curve_behind_a_surface_is_drawn_however_it_is_divided() {
+        for count in [1, 7, 400] {
+            let mut list = DrawList::new();
+            let at = |k: usize| DVec3::X * (k as f64 / count as f64);
+            for k in 0..count {
+                push_dashes(&mut list, [at(k), at(k + 1)], at(k).x, 0.1);
+            }
+            let drawn: f64 = list.lines.iter().map(|line| line.from.distance(line.to)).sum();
+            assert!((0.4..0.6).contains(&drawn), "{count} segments: {drawn}");
+            assert!(list.lines.iter().all(|line| line.color.a == BEHIND));
+            assert!(key_of_hidden(&list).is_some());
+        }
+        assert_eq!(key_of_hidden(&DrawList::new()), None);
+    }
 
     #[test]
     fn numbers_are_short_and_keep_three_digits() {
