@@ -17,9 +17,9 @@ pub trait Tally {
     fn counters(&mut self) -> &mut Counters;
 
     /// Takes note of boxes that are compared, and counted by who compares them. Bodies are numbered
-    /// in the pair's order.
+    /// in the pair's order. To say which they are is work, and nobody does it unobserved.
     #[inline(always)]
-    fn boxes(&mut self, _: ComparedBoxes) {}
+    fn boxes(&mut self, _: impl FnOnce() -> ComparedBoxes) {}
 
     /// Counts two clusters that are compared: of the first body, of the second.
     #[inline(always)]
@@ -72,7 +72,8 @@ impl Tally for Observed<'_> {
         &mut self.counters
     }
 
-    fn boxes(&mut self, boxes: ComparedBoxes) {
+    fn boxes(&mut self, boxes: impl FnOnce() -> ComparedBoxes) {
+        let boxes = boxes();
         let body = if self.swapped { 1 - boxes.body } else { boxes.body };
         self.observer.boxes(ComparedBoxes { body, ..boxes });
     }

@@ -250,7 +250,7 @@ impl Cut {
     ) {
         let block = &mut self.blocks[index];
         counters.counters().front_tested += u64::from(block.ended.count_ones());
-        counters.boxes(ground.compared(block.at, block.side, u32::from(block.ended)));
+        counters.boxes(|| ground.compared(block.at, block.side, u32::from(block.ended)));
         let what = (self.pivot.at, self.reach, self.spare);
         let tested = test(ground, block.at, block.side, what, u32::from(block.ended));
         block.ended = tested.ended;
@@ -271,7 +271,7 @@ impl Cut {
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
             counters.counters().node_tests += u64::from(node.count);
-            counters.boxes(ground.compared(at, side, node.mask()));
+            counters.boxes(|| ground.compared(at, side, node.mask()));
             let tested =
                 test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {

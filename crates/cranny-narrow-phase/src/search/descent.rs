@@ -64,7 +64,7 @@ pub(crate) fn descend<V: Visitor>(
         let index = ground.child(side, at[i]).index();
         let node = &ground.tree(side).nodes()[index];
         counters.counters().node_tests += u64::from(node.count);
-        counters.boxes(ground.compared(at, side, node.mask()));
+        counters.boxes(|| ground.compared(at, side, node.mask()));
         let placed = ground.placed(side, at[1 - i]);
         let (gaps, overlaps) = gaps_and_overlaps(node, &placed);
         let (far, own) = match visitor.closing() {
