@@ -4,11 +4,12 @@
 //! found of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary
 //! bodies stand before moving ones, [`cameras`] where from, [`focus`] which contact shows most and
 //! the plane that shows it, [`marks`] how contacts look, [`motion`] how bodies came to where they
-//! are, [`page`] puts views beside each other.
+//! are, [`heat`] what the search looks at, [`page`] puts views beside each other.
 
 mod cameras;
 mod coats;
 mod focus;
+mod heat;
 mod hiding;
 mod marks;
 mod motion;
@@ -55,13 +56,16 @@ pub enum ScenePainterView {
     Scene,
     /// The section through what touches.
     Section,
-    /// The scene, bodies as x-rays.
+    /// The scene, bodies as x-rays, with its legend.
     XRay,
-    /// The scene, bodies as wireframes.
+    /// The scene, bodies as wireframes, with its legend.
     Wireframe,
     /// The scene, with the way of each moving body, where it was before, and its velocity: of the
     /// moments that were drawn or [followed](ScenePainter::follow).
     Motion,
+    /// What the search of the narrow phase looks at, as heat on the faces, twice: from nothing, and
+    /// with what the moments before have left that were drawn or followed.
+    Heat,
 }
 
 /// What is drawn.
@@ -191,6 +195,7 @@ impl ScenePainter {
     ) -> Result<ImageSize, SceneAppError> {
         let size = match view {
             ScenePainterView::Page => panel_sizes(width, height).map(|[main, ..]| main),
+            ScenePainterView::Heat => heat::panel_sizes(width, height).map(|[whole, _]| whole),
             _ => ImageSize::new(width, height).ok(),
         };
         size.ok_or_else(|| SceneAppError::Picture {
@@ -221,6 +226,7 @@ impl ScenePainter {
             ScenePainterView::Scene => {
                 return self.picture(renderer, moment, &camera, size).map_err(failed);
             }
+            ScenePainterView::Heat => return self.heat(renderer, moment, [width, height]),
             ScenePainterView::Motion => {
                 self.follow(moment.time, &moment.poses);
                 let mut list = self.unmarked(moment, &camera);
@@ -230,13 +236,11 @@ impl ScenePainter {
             ScenePainterView::XRay => Style::XRay,
             ScenePainterView::Wireframe => Style::Wireframe,
         };
-        let mut list = self.view(moment, &camera);
-        list.instances.iter_mut().for_each(|instance| instance.style = style);
-        self.render(renderer, &list, &camera, size).map_err(failed)
+        self.seen_through(renderer, moment, style, size)
     }
 
-    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion): moments
-    /// in the order of time.
+    /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion) and of the
+    /// [heat](ScenePainterView::Heat) of what follows: moments in the order of time.
     pub fn follow(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
         self.trails.note(time, poses);
     }

@@ -24,6 +24,7 @@ use crate::contacts::ContactReport;
 use crate::detection::Detected;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::properties::Sensor;
 use crate::readers::ContactReaders;
 use crate::trigger::TriggeredPairs;
 
@@ -143,7 +144,9 @@ impl Plugin for RecordingPlugin {
             shown: BTreeMap::new(),
         };
         let bodies = app.world().resource::<Bodies>();
-        let written = record_bodies(&mut recorder, bodies.iter());
+        let is_sensor = |record: &BodyRecord| app.world().get::<Sensor>(record.entity).is_some();
+        let known = bodies.iter().map(|(id, record)| (id, record, IsSensor(is_sensor(record))));
+        let written = record_bodies(&mut recorder, known);
         let shown = bodies.iter().map(|(id, record)| (id, ShownBody::of(record)));
         recorder.shown = shown.collect();
         app.world_mut().resource_mut::<Failure>().note(written);
@@ -160,20 +163,25 @@ impl Plugin for RecordingPlugin {
     }
 }
 
+/// Whether a body is a sensor.
+struct IsSensor(bool);
+
 fn record_bodies<'a>(
     recorder: &mut FrameRecorder,
-    bodies: impl Iterator<Item = (BodyId, &'a BodyRecord)>,
+    bodies: impl Iterator<Item = (BodyId, &'a BodyRecord, IsSensor)>,
 ) -> Result<(), SceneAppError> {
-    let shown = bodies.map(|(id, record)| {
+    let shown = bodies.map(|(id, record, is_sensor)| {
         let primitive = record.shape.primitive().map(ToString::to_string);
-        Ok((id, record, record.drawn_mesh()?, primitive))
+        Ok((id, record, is_sensor, record.drawn_mesh()?, primitive))
     });
     let shown = shown.collect::<Result<Vec<_>, SceneAppError>>()?;
-    let bodies = shown.iter().map(|(id, record, mesh, primitive)| RecordedBody {
+    let bodies = shown.iter().map(|(id, record, is_sensor, mesh, primitive)| RecordedBody {
         name: &record.name,
         mesh,
         color: record.color.map_or_else(|| hue(id.0), opaque),
         color_is_stated: record.color.is_some(),
+        number: Some(id.0),
+        sensor: is_sensor.0,
         model: record.model(),
         primitive: primitive.as_deref(),
         kind: Some(record.kind),
@@ -185,12 +193,12 @@ fn record_bodies<'a>(
 /// A body that comes while the run goes on, or one whose geometry has changed.
 fn record_body(
     inserted: On<Insert<Body>>,
-    query: Query<&Body>,
+    query: Query<(&Body, Has<Sensor>)>,
     bodies: Res<Bodies>,
     mut recorder: ResMut<FrameRecorder>,
     mut failure: ResMut<Failure>,
 ) {
-    let Ok(&Body { id }) = query.get(inserted.entity) else { return };
+    let Ok((&Body { id }, is_sensor)) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
     let before = recorder.shown.insert(id, ShownBody::of(record));
     if before.is_some_and(|before| before.is_same(record)) {
@@ -199,7 +207,8 @@ fn record_body(
     if let Some(recorder) = recorder.open() {
         failure.note(recorder.remove_body(&record.name));
     }
-    failure.note(record_bodies(&mut recorder, [(id, record)].into_iter()));
+    let bodies = [(id, record, IsSensor(is_sensor))];
+    failure.note(record_bodies(&mut recorder, bodies.into_iter()));
 }
 
 fn record_removal(

@@ -325,7 +325,7 @@ impl Replay {
             step: entry("dt").and_then(|dt| dt.parse().ok()).unwrap_or(1.0),
             duration: 0.0,
             seed: 0,
-            bodies: self.bodies.values().map(|body| described(body, frame)).collect(),
+            bodies: self.in_order().into_iter().map(|body| described(body, frame)).collect(),
             joints: Vec::new(),
             excluded_pairs: Vec::new(),
             effects: contacts.into_iter().collect(),
@@ -342,6 +342,7 @@ impl Replay {
     #[must_use]
     pub fn moment(&self, frame: &ReplayFrame) -> crate::painting::Moment {
         let id = self.ids();
+        let is_sensor = |name| self.bodies.get(name).is_some_and(|body| body.drawn.sensor);
         let pairs = frame.pairs.iter().filter_map(|pair| {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
             let answer = self.compute(pair)?.ok()?;
@@ -351,7 +352,7 @@ impl Replay {
                 b,
                 answer,
                 impulse: 0.0,
-                sensed: false,
+                sensed: [&pair.a, &pair.b].into_iter().any(is_sensor),
             })
         });
         let pairs = pairs.collect();
@@ -366,11 +367,20 @@ impl Replay {
         frame.poses.iter().filter_map(|(name, pose)| Some((id(name)?, *pose))).collect()
     }
 
-    /// The number of a body, by its name: they are counted in the order of names.
+    /// The number of a body, by its name: its place among all.
     #[cfg(feature = "render")]
     fn ids(&self) -> impl Fn(&String) -> Option<cranny_world::BodyId> {
-        let names: Vec<&String> = self.bodies.keys().collect();
-        move |name| Some(cranny_world::BodyId(names.binary_search(&name).ok()? as u32))
+        let names = (0..).map(cranny_world::BodyId).zip(self.in_order());
+        let ids: BTreeMap<&String, _> = names.map(|(id, body)| (&body.drawn.name, id)).collect();
+        move |name| ids.get(name).copied()
+    }
+
+    /// The bodies by the numbers that they had in the run, so that pictures choose the same colors;
+    /// by their names where the recording does not say.
+    fn in_order(&self) -> Vec<&ReplayBody> {
+        let mut bodies: Vec<&ReplayBody> = self.bodies.values().collect();
+        bodies.sort_by_key(|body| body.drawn.number.unwrap_or(u32::MAX));
+        bodies
     }
 }
 
@@ -398,7 +408,7 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         material: Material::default(),
         mass: None,
         normals: Normals::default(),
-        sensor: false,
+        sensor: body.drawn.sensor,
         layers: Vec::new(),
         effects: Vec::new(),
     }

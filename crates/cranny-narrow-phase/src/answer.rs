@@ -238,6 +238,9 @@ pub struct Counters {
     pub planes_parted: u64,
     /// Pairs of tree nodes compared, of the search tree each of eight side by side.
     pub node_tests: u64,
+    /// Pairs of clusters compared, of which the faces or features may be near each other. No
+    /// elementary test: each stands for up to 64 pairs of faces, which are compared eight at once.
+    pub cluster_tests: u64,
     /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of
     /// which only the distance was demanded.
     pub triangle_tests: u64,
@@ -302,6 +305,7 @@ impl AddAssign for Counters {
         self.planes_tried += other.planes_tried;
         self.planes_parted += other.planes_parted;
         self.node_tests += other.node_tests;
+        self.cluster_tests += other.cluster_tests;
         self.triangle_tests += other.triangle_tests;
         self.triangles_filtered += other.triangles_filtered;
         self.triangles_adaptive += other.triangles_adaptive;

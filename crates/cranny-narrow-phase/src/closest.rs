@@ -3,8 +3,9 @@
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
 
-use crate::answer::{Counters, Feature};
+use crate::answer::Feature;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::{Nearest, triangle_distance};
 
 /// The nearest points of two faces, one of each body.
@@ -71,7 +72,7 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
     /// Measures a face of the first body and one of the second, unless they are farther apart than
     /// the [limit](Self::limit) along the last witness direction, and keeps them if they are
     /// nearest. Returns a lower bound of their distance.
-    pub fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
+    pub fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut impl Tally) -> f64 {
         let pair = self.pair;
         let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
         let along = |p: &DVec3| self.toward.dot(*p);
@@ -80,7 +81,7 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         if gap > self.limit {
             return gap;
         }
-        counters.triangle_tests += 1;
+        counters.faces([f, g]);
         self.take([f, g], triangle_distance(&first, &second)) - self.error
     }
 

@@ -7,7 +7,7 @@
 use cranny_exact::{DVec3, Meeting, RigidMap, judge_triangles};
 use cranny_geometry::FaceId;
 
-use crate::answer::{Counters, Surface};
+use crate::answer::Surface;
 use crate::backoff::Backoff;
 use crate::closest::{Closest, NearestFaces};
 use crate::containment::{Solidity, solidity};
@@ -19,6 +19,7 @@ use crate::search::{
     near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
 };
 use crate::surface::{FacePair, strongest};
+use crate::tally::Tally;
 
 /// Crossing faces that are kept at most. More: more to look at before giving up; fewer: a search
 /// whenever the last of them have parted.
@@ -121,7 +122,7 @@ impl Coherent {
         &mut self,
         pair: &Pair,
         below: Option<f64>,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let crossed = !self.crossing.is_empty();
         // A distance wants the first crossing from the top, which is a verdict as well.
@@ -140,7 +141,7 @@ impl Coherent {
         pair: &Pair,
         (ends_at_crossing, below): (bool, Option<f64>),
         keeps: bool,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
         let step = self.last_step(pair);
@@ -185,7 +186,7 @@ impl Coherent {
         pair: &Pair,
         ground: &Ground,
         below: f64,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<(Surface, Vec<FacePair>)> {
         let mut nearest = self.seeded(pair, below, counters);
         let met = nearest_or_meeting(ground, &mut self.stack, &mut nearest, counters);
@@ -202,7 +203,7 @@ impl Coherent {
         &self,
         pair: &'p Pair<'m>,
         below: f64,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> NearestFaces<'p, 'm> {
         let mut nearest = NearestFaces::less_than(pair, below);
         if let Some([f, g]) = self.nearest {
@@ -218,7 +219,7 @@ impl Coherent {
         ground: &Ground,
         lists: Option<Lists>,
         meets: bool,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let reach = lists.map_or(0.0, |lists| lists.reach);
         let step = self.last_step(pair);
@@ -237,7 +238,7 @@ impl Coherent {
                     found = (surface, all);
                 }
                 if let Some(lists) = lists {
-                    list_near(cut, ground, lists, &mut self.listed);
+                    list_near(cut, ground, lists, &mut self.listed, counters);
                 }
                 found
             }
@@ -263,7 +264,7 @@ impl Coherent {
     pub(crate) fn first_crossing(
         &mut self,
         pair: &Pair,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<FacePair> {
         self.first.or_else(|| {
             let (_, found) = first_meeting(pair, &Ground::of(pair), &mut self.stack, counters);
@@ -272,7 +273,7 @@ impl Coherent {
     }
 
     /// All pairs of faces that meet, by ascending ids.
-    pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
+    pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
         let (_, found) = self.meet(pair, (false, None), true, counters);
         self.remember_crossings(&found);
         found
@@ -284,7 +285,7 @@ impl Coherent {
         pair: &Pair,
         surface: Surface,
         touching: &[FacePair],
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Solidity {
         self.is_judged = true;
         if surface != Meeting::None {
@@ -306,7 +307,7 @@ impl Coherent {
         pair: &Pair,
         below: f64,
         parting: DVec3,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<Closest> {
         if let Some(found) = self.measured {
             self.nearest = found.map(|f| f.faces).or(self.nearest);
@@ -335,7 +336,7 @@ impl Coherent {
 
     /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces
     /// cross leaves a face for one that shares a corner with it, mostly while the other face stays.
-    fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+    fn still_cross(&mut self, pair: &Pair, counters: &mut impl Tally) -> bool {
         if self.crossing.is_empty() {
             return false;
         }
@@ -351,9 +352,9 @@ impl Coherent {
         found
     }
 
-    fn followed_crossing(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+    fn followed_crossing(&mut self, pair: &Pair, counters: &mut impl Tally) -> bool {
         let mut crosses = |&[f, g]: &[FaceId; 2]| {
-            counters.triangle_tests += 1;
+            counters.faces([f, g]);
             let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
             let (meeting, by) = judge_triangles(&first, &second);
             counters.judged(by);
@@ -435,7 +436,7 @@ fn all_meetings(
     pair: &Pair,
     ground: &Ground,
     stack: &mut Vec<Pending>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     let found = meeting_faces(pair, ground, stack, counters);
     (strongest(&found), found)

@@ -19,11 +19,12 @@
 use cranny_exact::{DVec2, DVec3, Meeting, Sign, WeightedPoint, orient2d, orient3d};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId};
 
-use crate::answer::{Containment, Counters, Surface};
+use crate::answer::{Containment, Surface};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
 use crate::projection::Projection;
 use crate::surface::FacePair;
+use crate::tally::Tally;
 use crate::wedge::Wedge;
 
 /// Whether the solids share interior points, and which lies inside which.
@@ -39,7 +40,7 @@ impl Solidity {
     /// Decides for surfaces that share no point, exactly: one vertex of each component is
     /// [located](Counters::inside_tests) against the other solid.
     #[must_use]
-    pub fn of_disjoint_surfaces(pair: &Pair, counters: &mut Counters) -> Self {
+    pub fn of_disjoint_surfaces(pair: &Pair, counters: &mut impl Tally) -> Self {
         let parts = Side::BOTH.map(|side| whole_components(pair, side, counters));
         verdict(pair, parts, Flush::default())
     }
@@ -50,7 +51,7 @@ pub(crate) fn solidity(
     pair: &Pair,
     surface: Surface,
     touching: &[FacePair],
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Solidity {
     match surface {
         Meeting::Cross => Solidity { solid: true, contained: None },
@@ -98,7 +99,7 @@ fn verdict(pair: &Pair, [first, second]: [Parts; 2], flush: Flush) -> Solidity {
     Solidity { solid: first.inside || second.inside || flush.same, contained }
 }
 
-fn whole_components(pair: &Pair, side: Side, counters: &mut Counters) -> Parts {
+fn whole_components(pair: &Pair, side: Side, counters: &mut impl Tally) -> Parts {
     let mut parts = Parts::default();
     if !pair.topology(side.other()).components().iter().any(|c| c.closed) {
         parts.add(Location::Outside);
@@ -123,7 +124,7 @@ enum Sampling {
 }
 
 /// Points of the faces: one for all that hang together untouched, some for each that touches.
-fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counters) -> Parts {
+fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut impl Tally) -> Parts {
     let mut sampling = vec![Sampling::Free; pair.mesh(side).faces().len()];
     for t in touching {
         let closed = pair.topology(side.other()).in_closed_component(face_on(t, side.other()));

@@ -10,8 +10,8 @@ use std::ops::ControlFlow;
 use cranny_exact::{Aabb, DMat3, DVec3};
 use cranny_geometry::{FaceId, PairedStep};
 
-use crate::answer::Counters;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 
 /// The oriented-box test of a pair: a box in the first body's frame against a box in the second's.
 ///
@@ -84,17 +84,17 @@ impl BoxTest {
 
 /// Calls `visit` for every pair of faces whose boxes may be within `margin` of each other, of the
 /// leaves that are reached by nodes which `holds` names; the visitor may end the descent early.
-pub(crate) fn for_each_near_pair_beneath(
+pub(crate) fn for_each_near_pair_beneath<T: Tally>(
     pair: &Pair,
     margin: f64,
     holds: impl Fn(Side, u32) -> bool,
-    counters: &mut Counters,
-    mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+    counters: &mut T,
+    mut visit: impl FnMut(FaceId, FaceId, &mut T) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let boxes = BoxTest::of(pair);
     let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
     let apart = |a: u32, b: u32| boxes.apart(&first.node(a).bounds, &second.node(b).bounds, margin);
-    counters.node_tests += 1;
+    counters.counters().node_tests += 1;
     if apart(0, 0) {
         return ControlFlow::Continue(());
     }
@@ -114,7 +114,7 @@ pub(crate) fn for_each_near_pair_beneath(
         };
         for (a, b) in children {
             if holds(Side::First, a) && holds(Side::Second, b) {
-                counters.node_tests += 1;
+                counters.counters().node_tests += 1;
                 stack.extend((!apart(a, b)).then_some((a, b)));
             }
         }

@@ -13,6 +13,7 @@ use crate::containment::{Solidity, solidity};
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
+use crate::observe::SearchObserver;
 use crate::pair::{Pair, PosedVertices, accepted};
 use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
@@ -20,6 +21,7 @@ use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::{is_closed, meeting_regions};
 use crate::surface::{FacePair, strongest};
+use crate::tally::{Observed, Tally};
 
 /// A question that cannot be answered.
 #[derive(Clone, Copy, PartialEq, Error)]
@@ -73,18 +75,81 @@ pub fn query(
     query: &Query,
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
+    query_counted(a, b, query, memory, |_| Counters::default())
+}
+
+/// The same answer as [`query`] to the bit, with the same counters; an observer sees what the
+/// search compares.
+///
+/// Cost: a call for each pair of clusters, faces and features that is compared. [`query`] has
+/// neither the calls nor the question whether somebody observes.
+///
+/// # Errors
+///
+/// As [`query`].
+///
+/// ```
+/// use cranny_exact::{DVec3, Pose};
+/// use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
+/// use cranny_narrow_phase::{
+///     Demand, PairMemory, Placed, Query, SearchObserver, query, query_observed,
+/// };
+///
+/// #[derive(Default)]
+/// struct Measured(u64);
+///
+/// impl SearchObserver for Measured {
+///     fn faces(&mut self, _: [FaceId; 2]) {
+///         self.0 += 1;
+///     }
+/// }
+///
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
+/// let a = Placed { model: &model, pose: Pose::IDENTITY };
+/// let b = Placed { model: &model, pose: Pose::at(DVec3::new(3.0, 0.0, 0.0)) };
+/// let distance = Query::of(Demand::Distance { below: None });
+/// let mut measured = Measured::default();
+/// let seen = query_observed(a, b, &distance, &mut PairMemory::default(), &mut measured)?;
+/// assert_eq!(seen, query(a, b, &distance, &mut PairMemory::default())?);
+/// assert_eq!(measured.0, seen.counters.triangle_tests);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn query_observed(
+    a: Placed,
+    b: Placed,
+    query: &Query,
+    memory: &mut PairMemory,
+    observer: &mut dyn SearchObserver,
+) -> Result<Answer, QueryError> {
+    query_counted(a, b, query, memory, |pair| Observed {
+        counters: Counters::default(),
+        observer,
+        swapped: pair.is_swapped(),
+    })
+}
+
+fn query_counted<T: Tally>(
+    a: Placed,
+    b: Placed,
+    query: &Query,
+    memory: &mut PairMemory,
+    tally: impl FnOnce(&Pair) -> T,
+) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     query.check()?;
     let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
         memory;
     let pair = &Pair::of_accepted(a, b);
+    let counters = &mut tally(pair);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
     let mut found = match query.demand {
         Demand::Contacts { margin, normals } => {
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let wanted = wanted.with_penetrations_from(query.penetrations_from);
-            let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
+            let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept), counters);
             // What regions say where no vertex does leads out of a whole overlap, and is no
             // surface's.
             if let Normals::Smooth { crease_angle } = normals
@@ -94,7 +159,7 @@ pub fn query(
             }
             found
         }
-        demand => answer(pair, posed, &demand, parting, coherent, pockets, kept),
+        demand => answer(pair, posed, &demand, parting, (coherent, pockets, kept), counters),
     };
     if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
         tracks.follow([a, b], &mut found.regions);
@@ -107,20 +172,18 @@ fn answer(
     posed: &mut PosedVertices,
     demand: &Demand,
     parting: &mut Parting,
-    coherent: &mut Coherent,
-    mut pockets: Option<&mut PocketMemory>,
-    kept: &mut ContactMemory,
+    (coherent, mut pockets, kept): (&mut Coherent, Option<&mut PocketMemory>, &mut ContactMemory),
+    counters: &mut impl Tally,
 ) -> Answer {
     let mut out = Answer::nothing();
     if *demand == Demand::None {
         return out;
     }
     coherent.begin(pair);
-    let mut counters = Counters::default();
     // What crossed last is looked at first: mostly it crosses still.
     let gap = match pockets.is_none() && coherent.has_crossed() {
         true => 0.0,
-        false => parting.gap(pair, enough(demand), &mut counters),
+        false => parting.gap(pair, enough(demand), counters),
     };
     let parted = gap > 0.0;
     let wants_regions = demand.margin().is_some();
@@ -128,11 +191,11 @@ fn answer(
     let pairs = if parted {
         Vec::new()
     } else if let Some(pockets) = &mut pockets {
-        let pairs = pockets.meetings(pair, !wants_regions, &mut counters);
+        let pairs = pockets.meetings(pair, !wants_regions, counters);
         out.surface = strongest(&pairs);
         pairs
     } else if wants_regions {
-        let pairs = coherent.meetings(pair, &mut counters);
+        let pairs = coherent.meetings(pair, counters);
         out.surface = strongest(&pairs);
         pairs
     } else {
@@ -140,37 +203,29 @@ fn answer(
             Demand::Distance { below } => Some(below.unwrap_or(f64::INFINITY)),
             _ => None,
         };
-        let (surface, touching) = coherent.verdict(pair, below, &mut counters);
+        let (surface, touching) = coherent.verdict(pair, below, counters);
         out.surface = surface;
         touching
     };
     if !parted {
         let found = match pockets {
-            Some(_) => solidity(pair, out.surface, &pairs, &mut counters),
-            None => coherent.solidity(pair, out.surface, &pairs, &mut counters),
+            Some(_) => solidity(pair, out.surface, &pairs, counters),
+            None => coherent.solidity(pair, out.surface, &pairs, counters),
         };
         out.solid = found.solid;
         out.contained = found.contained.map(|c| pair.ordered_containment(c));
     }
     if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
-        measure(
-            pair,
-            demand,
-            &pairs,
-            (gap, parting.direction()),
-            coherent,
-            &mut out,
-            &mut counters,
-        );
+        measure(pair, demand, &pairs, (gap, parting.direction()), coherent, &mut out, counters);
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
-        let (regions, depth_error) = meeting_regions(pair, posed, &pairs, out.solid, &mut counters);
+        let (regions, depth_error) = meeting_regions(pair, posed, &pairs, out.solid, counters);
         out.regions = regions;
         if gap > margin {
             kept.let_go();
         } else if margin > 0.0 {
-            out.regions.extend(gaps(pair, margin, (coherent, kept), &mut counters));
+            out.regions.extend(gaps(pair, margin, (coherent, kept), counters));
         }
         out.regions.sort_by(|x, y| deepest_first(pair, &x.deepest, &y.deepest));
         out.contacts = out.regions.iter().flat_map(|r| r.points.iter().copied()).collect();
@@ -181,8 +236,8 @@ fn answer(
         }
     }
     coherent.end(pair);
-    counters.front_held = coherent.held();
-    out.counters = counters;
+    counters.counters().front_held = coherent.held();
+    out.counters = *counters.counters();
     out
 }
 
@@ -209,22 +264,22 @@ fn contacts(
     wanted: &Wanted,
     parting: &mut Parting,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
+    counters: &mut impl Tally,
 ) -> Answer {
-    let mut counters = Counters::default();
     let mut out = Answer::nothing();
     coherent.begin(pair);
-    if parting.gap(pair, wanted.farthest(), &mut counters) > wanted.farthest() {
+    if parting.gap(pair, wanted.farthest(), counters) > wanted.farthest() {
         coherent.let_go();
         memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
-        out.counters = counters;
+        out.counters = *counters.counters();
         return out;
     }
-    let near = near_patches(pair, wanted, (coherent, memory), &mut counters);
+    let near = near_patches(pair, wanted, (coherent, memory), counters);
     out.surface = near.surface;
     out.triangle_pairs = near.meeting.len() as u32;
     let Solidity { solid, contained } =
-        coherent.solidity(pair, out.surface, &near.meeting, &mut counters);
+        coherent.solidity(pair, out.surface, &near.meeting, counters);
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let mut measured = None;
@@ -232,7 +287,7 @@ fn contacts(
     if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.
-        let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, &mut counters);
+        let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, counters);
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
@@ -241,7 +296,7 @@ fn contacts(
     if solid && is_closed(pair) && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
         out.penetrations = match &measured {
             Some(regions) => regions.iter().filter_map(Penetration::of).collect(),
-            None => overlaps(pair, posed, &near.meeting, &mut counters),
+            None => overlaps(pair, posed, &near.meeting, counters),
         };
     }
     if !near.left_to_regions {
@@ -253,8 +308,8 @@ fn contacts(
         gap_seen(&out, pair.length_error())
     };
     coherent.end(pair);
-    counters.front_held = coherent.held();
-    out.counters = counters;
+    counters.counters().front_held = coherent.held();
+    out.counters = *counters.counters();
     out
 }
 
@@ -276,7 +331,7 @@ fn measure(
     (gap, parting): (f64, DVec3),
     coherent: &mut Coherent,
     out: &mut Answer,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) {
     if out.surface != Surface::None {
         out.distance = Some(0.0);
@@ -317,7 +372,7 @@ fn gaps(
     pair: &Pair,
     margin: f64,
     memory: (&mut Coherent, &mut ContactMemory),
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<Region> {
     let region = |NearRegion { contacts, faces }: NearRegion| {
         let points: Vec<Contact> =

@@ -26,11 +26,11 @@ use cranny_geometry::hull::HullVertexId;
 use cranny_geometry::{Content, FaceId};
 
 use self::layer::Layer;
-use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::closest::NearestFaces;
 use crate::hulls::{HullGap, Simplex};
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 
 /// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is
@@ -64,7 +64,7 @@ impl Foremost {
         pair: &Pair,
         parting: DVec3,
         nearest: &mut NearestFaces,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> bool {
         if !self.backoff.is_due() {
             return false;
@@ -83,7 +83,7 @@ impl Foremost {
         pair: &Pair,
         parting: DVec3,
         nearest: &mut NearestFaces,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<()> {
         let sight = self.sight(pair, parting, nearest)?;
         self.tops = sight.tops.map(Some);
@@ -129,7 +129,7 @@ impl Foremost {
         pair: &Pair,
         sight: &HullGap,
         nearest: &mut NearestFaces,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) {
         let rounding = pair.culling_error() + 2.0 * pair.length_error();
         let [first, second] = &self.faces;
@@ -145,7 +145,7 @@ impl Foremost {
                 {
                     continue;
                 }
-                counters.triangle_tests += 1;
+                counters.faces([f.face, g.face]);
                 let found = f.triangle.nearest(f.corners, &g.triangle, g.corners);
                 // What wins is reported as whenever faces are measured, whatever was left out here.
                 if nearest.would_win([f.face, g.face], &found) {
@@ -161,7 +161,7 @@ impl Foremost {
         pair: &Pair,
         sight: &HullGap,
         limit: f64,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<()> {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let map = &pair.first_from_second;
@@ -212,7 +212,7 @@ impl Foremost {
         side: Side,
         [direction, toward]: [DVec3; 2],
         place: &Aabb,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) {
         let (tree, mesh) = (pair.model(side).tree(), pair.mesh(side));
         let (faces, stack) = (&mut self.faces[side.index()], &mut self.stack);
@@ -222,7 +222,7 @@ impl Foremost {
         stack.clear();
         stack.push(0);
         while let Some(node) = stack.pop() {
-            counters.node_tests += 1;
+            counters.counters().node_tests += 1;
             if !tree.node(node).bounds.overlaps(place) {
                 continue;
             }

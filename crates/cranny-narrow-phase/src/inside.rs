@@ -12,9 +12,9 @@
 use cranny_exact::{Aabb, DVec3, Sign, WeightedPoint, generic_direction, orient3d};
 use cranny_geometry::FaceId;
 
-use crate::answer::Counters;
 use crate::pair::{Pair, Side};
 use crate::projection::Projection;
+use crate::tally::Tally;
 
 /// Where a point is with respect to the closed components of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,9 +29,9 @@ pub(crate) fn locate(
     pair: &Pair,
     side: Side,
     p: &WeightedPoint,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Location {
-    counters.inside_tests += 1;
+    counters.counters().inside_tests += 1;
     let bounds = pair.bounds(side);
     let near = p.rounded();
     if !bounds.grown(p.rounding()).contains_point(near) || is_beside_solids(pair, side, p) {

@@ -43,8 +43,9 @@
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
 //! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses);
 //! `brute_force` is the slow, obviously right version of the verdict and the distance. `observe`
-//! shows what memory holds, for drawing. `verify` computes every answer twice, with memory and
-//! without: [`query_verified`].
+//! shows what memory holds and what a search looks at, for drawing, and `heat` sums the latter up:
+//! work is counted in a `tally`, which is compiled with an observer and without. `verify` computes
+//! every answer twice, with memory and without: [`query_verified`].
 //!
 //! [`operations`] are the operations that a query is made of, for other methods about pairs. Crates
 //! above this one are such methods: `cranny-estimate` says what is certain of a pair within a
@@ -82,6 +83,7 @@ mod evaluate;
 mod fields;
 mod footprints;
 mod foremost;
+mod heat;
 mod hulls;
 mod inside;
 mod intersection;
@@ -103,6 +105,7 @@ mod search;
 mod smooth;
 mod special_position;
 mod surface;
+mod tally;
 mod touch;
 mod tracks;
 mod verify;
@@ -113,11 +116,12 @@ pub use answer::{
 };
 pub use approach::Approach;
 pub use contacts::overlaps_by_regions;
-pub use evaluate::{QueryError, query};
+pub use evaluate::{QueryError, query, query_observed};
 pub use fields::Fields;
+pub use heat::SearchHeat;
 pub use memory::PairMemory;
 pub use motion::drift;
-pub use observe::PairObserver;
+pub use observe::{ComparedBoxes, PairObserver, SearchObserver};
 pub use penetration::Penetration;
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};
@@ -167,6 +171,7 @@ pub mod operations {
     pub use crate::pair::{Pair, PairTag, Side};
     pub use crate::per_model::PerModel;
     pub use crate::surface::FacePair;
+    pub use crate::tally::Tally;
 }
 
 // The example of the README must compile and run as well.

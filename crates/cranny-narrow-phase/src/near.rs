@@ -10,10 +10,11 @@ mod oracle;
 
 use cranny_geometry::{DisjointSets, FaceId};
 
-use crate::answer::{Contact, Counters, Feature};
+use crate::answer::{Contact, Feature};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, across_gaps};
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::closest_on_triangle;
 
 /// Contacts across a gap that hang together, and the pairs of faces that hold their features.
@@ -29,7 +30,7 @@ pub(crate) fn near_regions(
     pair: &Pair,
     margin: f64,
     memory: (&mut Coherent, &mut ContactMemory),
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<NearRegion> {
     let mut contacts = across_gaps(pair, margin, memory, counters);
     // Edges that touch have no direction but noise.
@@ -102,6 +103,7 @@ fn faces_at(pair: &Pair, side: Side, feature: Feature) -> Vec<FaceId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::Counters;
     use crate::{Demand, PairMemory, Placed, Query, query};
     use cranny_exact::{DQuat, DVec3, Pose};
     use cranny_geometry::{BuildOptions, Model};

@@ -319,6 +319,11 @@ impl<'a> Pair<'a> {
         self.world_from_first.apply_vector(v)
     }
 
+    /// Whether the first is the caller's B.
+    pub(crate) fn is_swapped(&self) -> bool {
+        self.swapped
+    }
+
     /// From (first, second) to the caller's (A, B).
     #[must_use]
     pub fn ordered<T>(&self, first: T, second: T) -> [T; 2] {

@@ -2,13 +2,14 @@
 
 use cranny_exact::{DVec3, RigidMap};
 
-use crate::answer::{Contact, Counters, Region};
+use crate::answer::{Contact, Region};
 use crate::depth::{MeasuredRegion, deepest_along};
 use crate::intersection::{Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
+use crate::tally::Tally;
 
 /// Below this ratio of enclosed area to perimeter squared, curves enclose nothing (a peg through a
 /// plate: the two rims cancel).
@@ -68,7 +69,7 @@ pub(crate) fn overlaps(
     pair: &Pair,
     posed: &mut PosedVertices,
     pairs: &[FacePair],
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<Penetration> {
     let of_regions = |pair: &Pair, intersection: &Intersection| {
         let pieces = cut(pair, intersection);

@@ -13,13 +13,13 @@ use cranny_concavity::pockets::{MetParts, Near, PocketBody, PocketCounters, Pock
 use cranny_exact::{Meeting, RigidMap};
 use cranny_geometry::FaceId;
 
-use crate::answer::Counters;
 use crate::descent::for_each_near_pair_beneath;
 use crate::motion::{Ball, RelativeMotion};
 use crate::observe::PairObserver;
 use crate::pair::{Pair, PairTag, Side};
 use crate::per_model::PerModel;
 use crate::surface::{FacePair, looked_at};
+use crate::tally::Tally;
 
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
@@ -42,11 +42,11 @@ impl PocketMemory {
 
     /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that
     /// cross, which is then among them.
-    pub(crate) fn meetings(
+    pub(crate) fn meetings<T: Tally>(
         &mut self,
         pair: &Pair,
         only_verdict: bool,
-        counters: &mut Counters,
+        counters: &mut T,
     ) -> Vec<FacePair> {
         if !self.tag.is_of(pair) {
             *self = Self { tag: PairTag::of(pair), ..Self::default() };
@@ -62,7 +62,7 @@ impl PocketMemory {
         let steps = self.steps(pair);
         self.pockets.open(&posed, bodies, steps, &mut done);
         let mut found = Vec::new();
-        let mut look = |f: FaceId, g: FaceId, counters: &mut Counters| {
+        let mut look = |f: FaceId, g: FaceId, counters: &mut T| {
             let meeting = looked_at(pair, f, g, counters);
             found.extend(meeting);
             let ends = only_verdict && meeting.is_some_and(|m| m.meeting == Meeting::Cross);
@@ -77,9 +77,9 @@ impl PocketMemory {
                 if is_on_hulls(f, g) { look(f, g, c) } else { ControlFlow::Continue(()) }
             }),
         });
-        counters.pockets_opened += done.opened;
-        counters.pockets_passed += done.passed;
-        counters.facets_compared += done.facets_compared;
+        counters.counters().pockets_opened += done.opened;
+        counters.counters().pockets_passed += done.passed;
+        counters.counters().facets_compared += done.facets_compared;
         found.sort_unstable();
         found
     }
@@ -95,13 +95,13 @@ impl PocketMemory {
     }
 
     /// What the models do not hold; made now, where nobody has.
-    fn bodies(&mut self, pair: &Pair, counters: &mut Counters) -> PerModel<PocketBody> {
+    fn bodies(&mut self, pair: &Pair, counters: &mut impl Tally) -> PerModel<PocketBody> {
         let bodies = self.bodies.get_or_insert_with(|| {
             let bodies = PerModel::of(pair, |side| {
                 let model = pair.model(side);
                 PocketBody::of(model, Arc::new(Concavities::of(model)))
             });
-            counters.concavities_made += bodies.count() as u64;
+            counters.counters().concavities_made += bodies.count() as u64;
             bodies
         });
         bodies.clone()

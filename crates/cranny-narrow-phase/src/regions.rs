@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
-use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
+use crate::answer::{Contact, Curve, Feature, Region, RegionId};
 use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
@@ -15,6 +15,7 @@ use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
+use crate::tally::Tally;
 use crate::touch::touch_regions;
 use cranny_geometry::triangle_distance::Prepared;
 
@@ -28,7 +29,7 @@ pub(crate) fn meeting_regions(
     posed: &mut PosedVertices,
     pairs: &[FacePair],
     solid: bool,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Vec<Region>, f64) {
     let rounding = pair.length_error();
     if pairs.is_empty() {

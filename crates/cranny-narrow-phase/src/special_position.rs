@@ -4,10 +4,11 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
-use crate::answer::{Contact, Counters, Feature};
+use crate::answer::{Contact, Feature};
 use crate::intersection::{Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::search::meeting_pairs;
+use crate::tally::Tally;
 
 /// How far the second body is moved or grown to read the regions of a special position (faces
 /// flush, edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then
@@ -47,7 +48,7 @@ pub(crate) fn in_general_position<T>(
     pair: &Pair,
     posed: &mut PosedVertices,
     here: &Intersection,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
     read: impl Fn(&Pair, &Intersection) -> Vec<T>,
     depth: impl Fn(&T) -> f64,
 ) -> (Vec<T>, f64) {

@@ -4,9 +4,10 @@ use cranny_exact::{Crossing, DVec3, Meeting, cross_triangles};
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::triangle_distance;
 
-use crate::answer::{Counters, Feature, Surface, Witness};
+use crate::answer::{Feature, Surface, Witness};
 use crate::intersection::intersect;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 
 /// Two faces that share a point: a face of the first body, one of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,7 +29,7 @@ impl FacePair {
     pub fn of(
         faces: [FaceId; 2],
         triangles: [&[DVec3; 3]; 2],
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<Self> {
         let (meeting, crossing, by) = cross_triangles(triangles[0], triangles[1]);
         counters.judged(by);
@@ -65,9 +66,9 @@ pub(crate) fn looked_at(
     pair: &Pair,
     first: FaceId,
     second: FaceId,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Option<FacePair> {
-    counters.triangle_tests += 1;
+    counters.faces([first, second]);
     let (a, b) = (pair.triangle(Side::First, first), pair.triangle(Side::Second, second));
     FacePair::of([first, second], [&a, &b], counters)
 }

@@ -32,6 +32,10 @@ pub struct DrawnBody {
     /// Red, green and blue, where somebody chose them; `None` also where the recording does not
     /// say.
     pub stated_color: Option<BodyColor>,
+    /// Its number in the run; `None` where the recording does not say.
+    pub number: Option<u32>,
+    /// Whether it is a sensor; false also where the recording does not say.
+    pub sensor: bool,
 }
 
 /// What a recording says at one time of which bodies there are.
@@ -160,7 +164,10 @@ fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
     let (model, primitive) = (fact(topic::MODEL_KEY), fact(topic::PRIMITIVE_KEY));
     let kind = fact(topic::KIND_KEY);
     let stated_color = fact(topic::COLOR_KEY).and_then(|text| stated_color(&text));
-    Ok(DrawnBody { name, mesh, color: [r, g, b, a], model, primitive, kind, stated_color })
+    let number = fact(topic::NUMBER_KEY).and_then(|text| text.parse().ok());
+    let sensor = fact(topic::SENSOR_KEY).is_some_and(|text| text == true.to_string());
+    let color = [r, g, b, a];
+    Ok(DrawnBody { name, mesh, color, model, primitive, kind, stated_color, number, sensor })
 }
 
 /// Of `#rrggbb`.

@@ -87,6 +87,10 @@ pub struct RecordedBody<'a> {
     pub color: [f64; 4],
     /// Whether somebody chose that color; otherwise a replay chooses one of its own.
     pub color_is_stated: bool,
+    /// Its number in the run, by which pictures choose colors; `None` where there is none.
+    pub number: Option<u32>,
+    /// Whether it is a sensor, which overlaps others by design.
+    pub sensor: bool,
     /// What collides: its digest is recorded, and all of it where it differs from what is drawn.
     /// `None`: a primitive, or nothing can be computed anew.
     pub model: Option<&'a Model>,

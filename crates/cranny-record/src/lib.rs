@@ -52,6 +52,7 @@ mod recording;
 mod records;
 mod recover;
 pub mod topic;
+mod whole_file;
 
 pub use digest::answer_digest;
 pub use drawn::{BodyChanges, DrawnBody, DrawnContact, DrawnCurve, RecordedPicture};
@@ -70,3 +71,4 @@ pub use output::FRAMES_PER_CHUNK;
 pub use recorder::{LogLevel, Recorder, Summary};
 pub use recording::{LogLine, PosesByName, Recording, TopicSummary};
 pub use recover::{RecoverError, Recovered, recover};
+pub use whole_file::write_whole;

@@ -317,6 +317,8 @@ fn facts(body: &RecordedBody) -> Vec<KeyValuePair> {
         .chain(primitive)
         .chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned())))
         .chain(color)
+        .chain(body.number.map(|number| entry(topic::NUMBER_KEY, number.to_string())))
+        .chain(body.sensor.then(|| entry(topic::SENSOR_KEY, true.to_string())))
         .collect()
 }
 

@@ -44,6 +44,10 @@ pub const PRIMITIVE_KEY: &str = "primitive";
 pub const KIND_KEY: &str = "kind";
 /// Key of a body's metadata: `#rrggbb`, where somebody chose its color.
 pub const COLOR_KEY: &str = "color";
+/// Key of a body's metadata: its number in the run.
+pub const NUMBER_KEY: &str = "number";
+/// Key of a body's metadata: `true` for a sensor; absent for other bodies.
+pub const SENSOR_KEY: &str = "sensor";
 
 /// Name of the attachment that holds a model which differs from what is drawn.
 #[must_use]

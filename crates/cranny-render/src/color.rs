@@ -31,6 +31,15 @@ impl Color {
         Self { a, ..self }
     }
 
+    /// This colour at an alpha over an opaque one, mixed in linear light as pictures are.
+    #[must_use]
+    pub fn over(self, behind: Self, alpha: u8) -> Self {
+        let share = f32::from(alpha) / 255.0;
+        let (front, back) = (self.to_linear(), behind.to_linear());
+        let mixed = [0, 1, 2].map(|i: usize| back[i] + share * (front[i] - back[i]));
+        Self::from_linear([mixed[0], mixed[1], mixed[2], 1.0])
+    }
+
     /// Whether nothing behind it shows through.
     #[must_use]
     pub const fn is_opaque(self) -> bool {

@@ -1,12 +1,10 @@
 //! Where it goes: a file that is whole or not there, or a viewer that runs.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
 use std::time::Duration;
 
-use cranny_record::{Recording, topic};
+use cranny_record::{Recording, topic, write_whole};
 use re_sdk::external::re_uri::{self, RedapUri};
 use re_sdk::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 
@@ -126,16 +124,4 @@ fn tell(to: &RecordingStream, recording: &Recording, source: &Source) -> Result<
 
 fn failed(what: &str, source: RecordingStreamError) -> RerunError {
     RerunError::Stream { what: what.to_owned(), source: Box::new(source) }
-}
-
-/// Writes a file under another name, and gives it its own when it is whole.
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = Path::new(&partial);
-    let written = File::create(partial)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(partial, path));
-    // That the rest cannot be removed is not what failed.
-    written.inspect_err(|_| _ = fs::remove_file(partial))
 }

@@ -191,7 +191,17 @@ fn boxes(path: &Path, plan: impl Fn(&mut Recorder, usize, &[Mesh; 2])) {
 }
 
 fn body<'a>(name: &'a str, mesh: &'a Mesh) -> RecordedBody<'a> {
-    RecordedBody { name, mesh, color: [1.0; 4], model: None, primitive: None, kind: None }
+    RecordedBody {
+        name,
+        mesh,
+        color: [1.0; 4],
+        color_is_stated: false,
+        number: None,
+        sensor: false,
+        model: None,
+        primitive: None,
+        kind: None,
+    }
 }
 
 #[test]

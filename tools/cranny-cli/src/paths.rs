@@ -2,8 +2,10 @@
 //! words; and folders of reports.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::Path;
+
+use cranny_record::write_whole;
 
 use crate::failure::Failure;
 
@@ -93,22 +95,6 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
 /// Where it cannot be written.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_whole(path, text.as_bytes()).map_err(|error| cannot_write(path, &error))
-}
-
-/// Writes a file under another name, and gives it its own when it is whole.
-///
-/// # Errors
-///
-/// Where it cannot be written or renamed; no half-written file stays.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = Path::new(&partial);
-    let written = File::create(partial)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(partial, path));
-    // That the rest cannot be removed is not what failed.
-    written.inspect_err(|_| _ = fs::remove_file(partial))
 }
 
 /// Checks that a file could be written into such a folder, and leaves everything as it is.

@@ -146,6 +146,7 @@ fn draw(
         ViewArg::Xray => ScenePainterView::XRay,
         ViewArg::Wireframe => ScenePainterView::Wireframe,
         ViewArg::Motion => ScenePainterView::Motion,
+        ViewArg::Heat => ScenePainterView::Heat,
     };
     let quality = args.pictures.quality.into();
     let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
@@ -154,7 +155,7 @@ fn draw(
     if let Some(name) = &args.pictures.camera {
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
     }
-    if view == ScenePainterView::Motion {
+    if matches!(view, ScenePainterView::Motion | ScenePainterView::Heat) {
         let from = args.from.unwrap_or(0.0);
         let before = replay.frames().iter().filter(|f| (from..frames[0].time).contains(&f.time));
         before.for_each(|frame| painter.follow(frame.time, &replay.poses(frame)));

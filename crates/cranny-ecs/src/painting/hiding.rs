@@ -1,6 +1,7 @@
-//! Which stationary bodies stand between the eye and what moves.
+//! Which stationary bodies stand between the eye and what moves, and which marks lie behind
+//! surfaces.
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::Model;
 use cranny_primitives::cast_ray;
 use cranny_world::BodyId;
@@ -65,6 +66,61 @@ fn hides(model: &Model, pose: &Pose, eye: DVec3, point: DVec3) -> bool {
     cast_ray(model, eye, way, BEFORE_THE_END * way.length()).is_ok_and(|hit| hit.is_some())
 }
 
+/// What an eye sees of a moment.
+pub(super) struct Sight<'a> {
+    eye: DVec3,
+    /// So far before a point what stands there does not hide it.
+    slack: f64,
+    bodies: Vec<Screen<'a>>,
+}
+
+/// A body that lines of sight may meet.
+struct Screen<'a> {
+    model: &'a Model,
+    body_from_world: RigidMap,
+    /// Of a ball around it, in world coordinates.
+    center: DVec3,
+    radius: f64,
+}
+
+impl<'a> Sight<'a> {
+    /// From a camera, of all that is drawn; `slack` is a length in which a mark still counts as on
+    /// the surface that it touches.
+    pub(super) fn of(coats: &'a Coats, moment: &Moment, eye: DVec3, slack: f64) -> Self {
+        let placed = coats.iter().filter_map(|(id, coat)| Some((coat, moment.poses.get(&id)?)));
+        let bodies = placed.filter_map(|(coat, pose)| {
+            let (model, bounds) = (coat.seen()?, coat.bounds(pose));
+            Some(Screen {
+                model,
+                body_from_world: pose.world_from_body().inverse(),
+                center: bounds.center(),
+                radius: 0.5 * bounds.diagonal(),
+            })
+        });
+        Self { eye, slack, bodies: bodies.collect() }
+    }
+
+    /// Whether a surface stands before a point.
+    pub(super) fn hides(&self, point: DVec3) -> bool {
+        let way = point - self.eye;
+        let length = way.length() - self.slack;
+        let along = way.normalize_or_zero();
+        self.bodies.iter().any(|body| {
+            let from = body.center - self.eye;
+            let nearest = from.dot(along).clamp(0.0, length.max(0.0)) * along;
+            // No line of sight is no ray.
+            nearest.distance(from) <= body.radius
+                && cast_ray(
+                    body.model,
+                    body.body_from_world.apply(self.eye),
+                    body.body_from_world.apply_vector(along),
+                    length,
+                )
+                .is_ok_and(|hit| hit.is_some())
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use cranny_geometry::BuildOptions;
@@ -82,6 +138,25 @@ mod tests {
         assert!(hides(10.0, -9.0) && hides(10.0, 0.0), "behind it, and inside");
         assert!(!hides(10.0, 1.0) && !hides(10.0, 2.0), "on it, and before it");
         assert!(!hides(14.0, -9.0), "beside it");
+    }
+
+    #[test]
+    fn what_is_inside_or_behind_is_hidden_and_what_lies_on_the_near_side_is_not() {
+        let cube = Cuboid { size: [2.0; 3] }.build().unwrap();
+        let (cube, _) = Model::build(cube, &BuildOptions::default()).unwrap();
+        let at = DVec3::X * 10.0;
+        let obstacle = Screen {
+            model: &cube,
+            body_from_world: Pose::at(at).world_from_body().inverse(),
+            center: at,
+            radius: 2.0,
+        };
+        let eye = at + DVec3::Z * 9.0;
+        let sight = Sight { eye, slack: 0.1, bodies: vec![obstacle] };
+        let hides = |x: f64, z: f64| sight.hides(at + DVec3::new(x, 0.0, z));
+        assert!(hides(0.0, -9.0) && hides(0.0, 0.0), "behind it, and inside");
+        assert!(!hides(0.0, 0.95) && !hides(0.0, 1.0) && !hides(0.0, 2.0), "as good as on it");
+        assert!(!hides(4.0, -9.0) && !hides(0.0, 20.0), "beside it, and behind the eye");
     }
 
     #[test]

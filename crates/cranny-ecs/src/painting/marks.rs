@@ -8,6 +8,7 @@ use cranny_render::{
 
 use super::coats::Coats;
 use super::focus::{Focus, contacts, middle, mover_of};
+use super::hiding::Sight;
 use super::{MeetingPair, Moment};
 
 /// Contacts beyond these many are not marked: a picture of more shows nothing but marks.
@@ -27,7 +28,25 @@ const CROWD: usize = 60;
 /// Of more contacts than this, those across a gap are left out.
 const THRONG: usize = 250;
 const CURVE: f32 = 2.2;
+const THIN: f32 = 1.4;
 const SHAFT: f32 = 2.4;
+
+/// Alpha of marks behind a surface, of 255. Higher: they look painted on what hides them; lower:
+/// they are not seen on dark bodies.
+const BEHIND: u8 = 105;
+
+/// A mark that lies no deeper beneath a surface than this part of the picture's height is on it, as
+/// contacts between two bodies are.
+const ON_SURFACE: f64 = 0.008;
+
+/// Dashes of curves behind a surface, and what is between them: parts of the picture's height.
+const DASH: f64 = 0.014;
+
+/// Pieces at most that a segment is divided into: all of its dashes, where it is in the picture.
+const PIECES_MAX: f64 = 256.0;
+
+/// Segments of curves of which it is asked whether they are hidden; with more, all are drawn alike.
+const SEGMENTS_MAX: usize = 20_000;
 
 /// What colours and lengths are measured by.
 pub(super) struct Scales<'a> {
@@ -105,8 +124,12 @@ pub(super) fn push_contacts(
     camera: &Camera,
 ) {
     let height = 2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan();
-    for region in moment.pairs.iter().flat_map(|pair| &pair.answer.regions) {
-        push_region(list, region);
+    let sight = Sight::of(scales.coats, moment, camera.eye(), ON_SURFACE * height);
+    let behind = |at: DVec3| sight.hides(at);
+    let regions = || moment.pairs.iter().flat_map(|pair| &pair.answer.regions);
+    let segments: usize = regions().flat_map(|r| &r.curves).map(|c| c.points.len()).sum();
+    for region in regions() {
+        push_region(list, region, |at| segments <= SEGMENTS_MAX && behind(at), DASH * height);
     }
     let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let radius = if count > CROWD { CROWDED } else { POINT };
@@ -116,16 +139,29 @@ pub(super) fn push_contacts(
     // The deepest are drawn over what is beside them.
     points.sort_by(|a, b| b.separation.total_cmp(&a.separation));
     for contact in points {
-        let color = scales.point_color(&contact);
+        let color = faint_if(behind(middle(&contact)), scales.point_color(&contact));
         list.points.push(Point { position: middle(&contact), color, radius, on_top: true });
     }
     for pair in moment.pairs.iter().filter(|_| scales.has_arrows(moment)) {
-        push_arrow(list, pair, scales, ARROW * height);
+        push_arrow(list, pair, scales, ARROW * height, behind);
     }
 }
 
+fn faint_if(is_behind: bool, color: Color) -> Color {
+    if is_behind { color.with_alpha(BEHIND) } else { color }
+}
+
+/// What fainter marks mean, where there are any.
+pub(super) fn key_of_hidden(list: &DrawList) -> Option<Key> {
+    let is_faint = |color: Color| color.a == BEHIND;
+    let points = list.points.iter().any(|point| is_faint(point.color));
+    let any = points || list.lines.iter().any(|line| is_faint(line.color));
+    let faint = palette::INK.over(palette::PAPER, BEHIND);
+    any.then(|| Key::new(Mark::Arrow(faint), "fainter, dashed: behind a surface"))
+}
+
 /// The area that a region's curves enclose; of a region across a gap, what its points surround.
-fn push_region(list: &mut DrawList, region: &Region) {
+fn push_region(list: &mut DrawList, region: &Region, behind: impl Fn(DVec3) -> bool, dash: f64) {
     let closed = region.curves.iter().filter(|curve| curve.closed && curve.points.len() > 2);
     let loops: Vec<Vec<DVec3>> = closed.map(|curve| curve.points.clone()).collect();
     if !loops.is_empty() {
@@ -139,9 +175,31 @@ fn push_region(list: &mut DrawList, region: &Region) {
         let ends = curve.points.windows(2).map(|ends| [ends[0], ends[1]]);
         let last = curve.closed.then(|| [curve.points.last(), curve.points.first()]);
         let last = last.and_then(|[a, b]| Some([*a?, *b?]));
+        let mut along = 0.0;
         for [from, to] in ends.chain(last) {
-            let line = Line { from, to, color: palette::OVERLAP, width: [CURVE; 2], on_top: true };
-            list.lines.push(line);
+            match behind(0.5 * (from + to)) {
+                true => push_dashes(list, [from, to], along, dash),
+                false => {
+                    let (color, width) = (palette::OVERLAP, [CURVE; 2]);
+                    list.lines.push(Line { from, to, color, width, on_top: true });
+                }
+            }
+            along += from.distance(to);
+        }
+    }
+}
+
+/// What of a segment lies in dashes of a curve: `along` is how far along it the segment begins.
+fn push_dashes(list: &mut DrawList, [from, to]: [DVec3; 2], along: f64, dash: f64) {
+    let length = from.distance(to);
+    let pieces = (length / dash).ceil().clamp(1.0, PIECES_MAX);
+    for k in 0..pieces as u32 {
+        let [start, end] = [k, k + 1].map(|k| f64::from(k) / pieces);
+        let middle = along + 0.5 * (start + end) * length;
+        if (middle / dash) % 2.0 < 1.0 {
+            let [from, to] = [start, end].map(|t| from.lerp(to, t));
+            let (color, width) = (palette::OVERLAP.with_alpha(BEHIND), [THIN; 2]);
+            list.lines.push(Line { from, to, color, width, on_top: true });
         }
     }
 }
@@ -159,14 +217,21 @@ fn surrounding(region: &Region) -> Vec<DVec3> {
 }
 
 /// The way the moving body is pushed, from where the pair meets deepest.
-fn push_arrow(list: &mut DrawList, pair: &MeetingPair, scales: &Scales<'_>, longest: f64) {
+fn push_arrow(
+    list: &mut DrawList,
+    pair: &MeetingPair,
+    scales: &Scales<'_>,
+    longest: f64,
+    behind: impl Fn(DVec3) -> bool,
+) {
     let share = scales.share(pair);
     let least = contacts(&pair.answer).min_by(|a, b| a.separation.total_cmp(&b.separation));
     let Some(contact) = least.filter(|_| share > 0.0) else { return };
     let towards = if mover_of(scales.coats, pair) == pair.a { -1.0 } else { 1.0 };
     let from = middle(&contact);
     let to = from + towards * share * longest * contact.normal;
-    list.push_arrow(from, to, palette::INK, SHAFT, true);
+    let color = faint_if(behind(0.5 * (from + to)), palette::INK);
+    list.push_arrow(from, to, color, SHAFT, true);
 }
 
 /// How far beside a contact its label stands, in parts of what the view reaches. Smaller: it covers
@@ -233,7 +298,23 @@ pub(super) fn ring(list: &mut DrawList, focus: &Focus, camera: &Camera) {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::*;
+
+    #[test]
+    fn half_of_a_curve_behind_a_surface_is_drawn_however_it_is_divided() {
+        for count in [1, 7, 400] {
+            let mut list = DrawList::new();
+            let at = |k: usize| DVec3::X * (k as f64 / count as f64);
+            for k in 0..count {
+                push_dashes(&mut list, [at(k), at(k + 1)], at(k).x, 0.1);
+            }
+            let drawn: f64 = list.lines.iter().map(|line| line.from.distance(line.to)).sum();
+            assert!((0.4..0.6).contains(&drawn), "{count} segments: {drawn}");
+            assert!(list.lines.iter().all(|line| line.color.a == BEHIND));
+            assert!(key_of_hidden(&list).is_some());
+        }
+        assert_eq!(key_of_hidden(&DrawList::new()), None);
+    }
 
     #[test]
     fn numbers_are_short_and_keep_three_digits() {

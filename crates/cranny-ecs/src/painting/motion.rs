@@ -46,6 +46,12 @@ impl Trails {
         self.moments.push((time, poses.clone()));
     }
 
+    /// The last moments, so many if there are.
+    pub(super) fn last(&self, count: usize) -> Vec<&BTreeMap<BodyId, Pose>> {
+        let first = self.moments.len().saturating_sub(count);
+        self.moments[first..].iter().map(|(_, poses)| poses).collect()
+    }
+
     /// Where a body was, the last time last.
     fn of(&self, id: BodyId) -> Vec<(f64, Pose)> {
         let places =

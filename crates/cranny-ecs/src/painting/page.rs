@@ -2,7 +2,7 @@
 
 use cranny_narrow_phase::Contact;
 use cranny_render::{
-    Camera, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, palette,
+    Camera, Color, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, Style, palette,
 };
 
 use super::coats::{Coat, Coats};
@@ -13,6 +13,12 @@ use crate::error::SceneAppError;
 
 /// What of a page's width each of its pictures takes: all, the section, and that magnified.
 const SHARES: [f64; 3] = [0.46, 0.31, 0.23];
+
+/// Bodies that the legend of a whole scene names at most. More: it is longer than the picture.
+const NAMED: usize = 5;
+
+/// Of 255: how a body that is seen through looks in the legend.
+const SHEER: u8 = 110;
 
 /// Pixels between pictures.
 const GAPS: u32 = 12;
@@ -68,7 +74,8 @@ impl ScenePainter {
         if focus.as_ref().is_some_and(|focus| focus.contact.is_some()) {
             panels[1].title.insert_str(0, "the circle: ");
         }
-        let keys = self.keys(&moment, focus.as_ref());
+        let mut keys = self.keys(&moment, focus.as_ref());
+        keys.extend(marks::key_of_hidden(&list));
         let caption = vec![caption(
             &self.coats,
             &moment,
@@ -152,6 +159,66 @@ impl ScenePainter {
         }
     }
 
+    /// All of the scene in a style that shows what is inside and behind, with its legend.
+    pub(super) fn seen_through(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        style: Style,
+        size: ImageSize,
+    ) -> Result<Image, SceneAppError> {
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+        let mut moment = moment.clone();
+        look_into(&self.coats, &mut moment, &[]);
+        let mut list = self.view(&moment, &camera);
+        list.instances.iter_mut().for_each(|instance| instance.style = style);
+        let image = self.render(renderer, &list, &camera, size);
+        let image = image.map_err(|error| failed(error.to_string()))?;
+        let what = if style == Style::XRay { "x-ray" } else { "wireframe" };
+        let panel = Panel { image, title: String::new(), scale: Some(scale(&camera, size)) };
+        let mut keys = self.keys_of_bodies(&moment, style);
+        keys.extend(self.keys_of_marks(&moment));
+        keys.extend(marks::key_of_hidden(&list));
+        let caption = vec![caption(&self.coats, &moment, None, None, self.has_contacts)];
+        let title = format!("{}: {what}", self.title);
+        let sheet = Sheet { title, panels: vec![panel], keys, caption };
+        sheet.compose().map_err(|error| failed(error.to_string()))
+    }
+
+    /// Bodies that move by name, if they are few.
+    fn keys_of_bodies(&self, moment: &Moment, style: Style) -> Vec<Key> {
+        let (mark, how): (fn(_) -> _, _) = match style {
+            Style::XRay => {
+                (|color: Color| Mark::Body(color.over(palette::PAPER, SHEER)), "translucent")
+            }
+            _ => (Mark::Line, "edges"),
+        };
+        let coats: Vec<&Coat> = self.placed(moment).filter_map(|id| self.coats.get(id)).collect();
+        let moving = || coats.iter().filter(|coat| coat.moves());
+        let mut keys: Vec<Key> = match moving().count() {
+            0..=NAMED => moving().map(|coat| Key::new(mark(coat.color), &*coat.name)).collect(),
+            _ => {
+                let text = format!("{how}: bodies that move, a colour each");
+                moving().take(1).map(|coat| Key::new(mark(coat.color), &*text)).collect()
+            }
+        };
+        if coats.iter().any(|coat| !coat.moves()) {
+            keys.push(Key::new(mark(palette::STATIONARY), "stands still"));
+        }
+        keys
+    }
+
+    fn keys_of_marks(&self, moment: &Moment) -> Vec<Key> {
+        let mut keys = Vec::new();
+        if moment.pairs.iter().any(|pair| pair.answer.depth() > 0.0) {
+            let text = "overlap; lines: surfaces cross";
+            keys.push(Key::new(Mark::Body(palette::OVERLAP), text));
+        }
+        keys.extend(self.scales().keys(moment));
+        keys
+    }
+
     fn keys(&self, moment: &Moment, focus: Option<&Focus>) -> Vec<Key> {
         let mut keys = Vec::new();
         for id in focus.iter().flat_map(|focus| &focus.bodies) {
@@ -166,17 +233,13 @@ impl ScenePainter {
         if !is_named && self.coats.iter().any(|(_, coat)| is_grey(coat)) {
             keys.push(Key::new(Mark::Body(palette::STATIONARY), "stands still"));
         }
-        if moment.pairs.iter().any(|pair| pair.answer.depth() > 0.0) {
-            let text = "overlap; lines: surfaces cross";
-            keys.push(Key::new(Mark::Body(palette::OVERLAP), text));
-        }
-        keys.extend(self.scales().keys(moment));
+        keys.extend(self.keys_of_marks(moment));
         keys
     }
 }
 
 /// Units a pixel, where a camera looks.
-fn scale(camera: &Camera, size: ImageSize) -> f64 {
+pub(super) fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 

@@ -121,6 +121,8 @@ fn a_body_that_changes_its_shape_is_refused_in_a_replay() {
                 mesh: model.mesh(),
                 color: [1.0; 4],
                 color_is_stated: false,
+                number: None,
+                sensor: false,
                 model: Some(model),
                 primitive: None,
                 kind: None,
@@ -168,6 +170,8 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
             mesh: model.mesh(),
             color: [1.0; 4],
             color_is_stated: false,
+            number: None,
+            sensor: false,
             model: Some(&model),
             primitive: None,
             kind: Some(BodyKind::Dynamic),
@@ -191,6 +195,30 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
         assert_eq!((report.frames, report.different.len()), (1, different), "{report:?}");
         assert_eq!(report.same, 1 - different as u64);
     }
+}
+
+/// A replay numbers bodies as the run did, whatever their names, and knows sensors.
+#[cfg(feature = "render")]
+#[test]
+fn a_replay_has_the_runs_numbers_and_sensors() {
+    let mut scene = gate(&[Effect::TRIGGER, Effect::Contacts { margin: 0.1 }]);
+    scene.bodies[0].name = "z".to_owned();
+    scene.bodies[1].sensor = true;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sensed.mcap");
+    let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    while app.step().unwrap() {}
+    app.finish().unwrap();
+    let replay = Replay::open(&path).unwrap();
+    let replayed = replay.scene(&replay.frames()[0]);
+    let facts = |scene: &cranny_world::description::SceneDescription| -> Vec<(String, bool)> {
+        scene.bodies.iter().map(|body| (body.name.clone(), body.sensor)).collect()
+    };
+    assert_eq!(facts(&replayed), facts(&scene));
+    let moments: Vec<Moment> = replay.frames().iter().map(|frame| replay.moment(frame)).collect();
+    let pairs = || moments.iter().flat_map(|moment| &moment.pairs);
+    assert!(pairs().count() > 0 && pairs().all(|pair| pair.sensed));
 }
 
 /// What a scene says of its looks comes back from its recording.

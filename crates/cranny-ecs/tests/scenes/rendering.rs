@@ -159,6 +159,62 @@ fn a_view_of_motion_shows_where_bodies_were() {
     assert!(again.difference(&early[1], 12).unwrap().differing > 0.01);
 }
 
+/// Of two rings that hang in each other a search from nothing looks at more than that of the next
+/// frame: the left half of the picture is painted more.
+#[test]
+fn a_view_of_heat_shows_what_a_search_looks_at() {
+    let Some(mut renderer) = renderer() else { return };
+    let mut scene = gate(&[]);
+    let ring = std::sync::Arc::new(cranny_shapes::Torus::default().build().unwrap());
+    let options = cranny_geometry::BuildOptions::default();
+    let (model, _) = cranny_geometry::Model::build((*ring).clone(), &options).unwrap();
+    for body in &mut scene.bodies {
+        body.collision = ring.clone();
+        body.shape = Some(model.clone().into());
+    }
+    let (view, size) = (ScenePainterView::Heat, [480, 160]);
+    let camera_size = ScenePainter::camera_size(view, size).unwrap();
+    let mut painter = ScenePainter::new(&scene, camera_size, PictureQuality::Draft).unwrap();
+    let at = |k: u32| {
+        let mut moment = Moment { time: f64::from(k), ..moment(&[0.0, 0.0]) };
+        let guest = moment.poses.get_mut(&BodyId(1)).unwrap();
+        guest.rotation = cranny_exact::DQuat::from_rotation_x(1.5);
+        guest.translation.x = 0.7 - 0.002 * f64::from(k);
+        moment
+    };
+    let painted = |image: &cranny_render::Image| {
+        let width = image.size().width() as usize;
+        let mut halves = [0; 2];
+        for (at, p) in image.pixels().chunks_exact(4).take(width * 160).enumerate() {
+            // Blue and green, not grey.
+            let is = p[2] > p[0].saturating_add(60);
+            halves[usize::from(at % width >= width / 2)] += usize::from(is);
+        }
+        halves
+    };
+    let first = painter.draw(&mut renderer, &at(0), view, size).unwrap();
+    let [cold, same] = painted(&first);
+    assert!(cold > 100 && cold.abs_diff(same) < 10, "nothing is remembered yet: {cold}, {same}");
+    (1..12).for_each(|k| painter.follow(f64::from(k), &at(k).poses));
+    let image = painter.draw(&mut renderer, &at(12), view, size).unwrap();
+    let [cold, warm] = painted(&image);
+    assert!(4 * cold > 5 * warm, "{cold} and {warm} pixels");
+    assert!(image.size().height() > 200, "words stand below the pictures");
+}
+
+#[test]
+fn an_x_ray_has_its_words() {
+    let Some(mut renderer) = renderer() else { return };
+    let scene = gate(&[]);
+    for view in [ScenePainterView::XRay, ScenePainterView::Wireframe] {
+        let size = ScenePainter::camera_size(view, SIZE).unwrap();
+        let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
+        let image = painter.draw(&mut renderer, &moment(&[2.0, 0.0]), view, SIZE).unwrap();
+        let [width, height] = SIZE;
+        assert!(image.size().width() == width && image.size().height() > height + 60);
+    }
+}
+
 #[test]
 fn a_section_shows_what_two_bodies_share() {
     use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};

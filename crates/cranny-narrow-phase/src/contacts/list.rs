@@ -11,13 +11,14 @@ use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
 use super::nearer;
 use super::wanted::Wanted;
-use crate::answer::{Contact, Counters, Feature, Surface};
+use crate::answer::{Contact, Feature, Surface};
 use crate::backoff::Backoff;
 use crate::coherent::Coherent;
 use crate::motion::RelativeMotion;
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{Candidate, Closing, Ground, Kind, Lasting, Lists, Turned, add_candidates};
 use crate::surface::FacePair;
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::Part;
 
 /// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again;
@@ -102,7 +103,7 @@ impl ContactMemory {
         pair: &Pair,
         wanted: &Wanted,
         coherent: &mut Coherent,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         self.search_or_list(pair, wanted, true, coherent, counters)
     }
@@ -113,7 +114,7 @@ impl ContactMemory {
         pair: &Pair,
         wanted: &Wanted,
         coherent: &mut Coherent,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) {
         self.search_or_list(pair, wanted, false, coherent, counters);
     }
@@ -124,7 +125,7 @@ impl ContactMemory {
         wanted: &Wanted,
         meets: bool,
         coherent: &mut Coherent,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
         let lasting = self.prepare(pair, wanted);
@@ -138,7 +139,8 @@ impl ContactMemory {
         }
         let found = coherent.near(pair, &ground, lists, meets, counters);
         if let Some(lasting) = lasting {
-            self.make(pair, &ground, (lasting, closing.as_ref()), coherent.listed());
+            let clusters = coherent.listed();
+            self.make(pair, &ground, (lasting, closing.as_ref()), clusters, counters);
         }
         found
     }
@@ -194,12 +196,14 @@ impl ContactMemory {
         ground: &Ground,
         (lasting, closing): (Lasting, Option<&Closing>),
         clusters: &mut [[u32; 2]],
+        counters: &mut impl Tally,
     ) {
         self.note_winners();
         self.candidates.clear();
         self.turned.clear();
         clusters.sort_unstable();
         for &pair in clusters.iter() {
+            counters.clusters(pair);
             let margin =
                 closing.map_or(lasting.margin, |closing| closing.of_clusters(ground, pair));
             let lasting = Lasting { margin, ..lasting };
@@ -248,12 +252,12 @@ impl ContactMemory {
     }
 
     /// Calls `told` with each pair of patches that has candidates.
-    pub(super) fn each_group(
+    pub(super) fn each_group<T: Tally>(
         &mut self,
         pair: &Pair,
         wanted: &Wanted,
-        counters: &mut Counters,
-        mut told: impl FnMut(&mut Group),
+        counters: &mut T,
+        mut told: impl FnMut(&mut Group<T>),
     ) {
         let unit = pair.model(Side::Second).clusters().unit();
         let Self { candidates, ranges, moved, .. } = self;
@@ -274,17 +278,17 @@ fn face_length(pair: &Pair, side: Side) -> f64 {
 }
 
 /// The candidates of a pair of patches.
-pub(super) struct Group<'s, 'p, 'm> {
+pub(super) struct Group<'s, 'p, 'm, T> {
     pair: &'p Pair<'m>,
     list: &'s [Candidate],
     range: &'s mut Range,
     unit: f64,
     moved: f64,
     wanted: &'s Wanted,
-    counters: &'s mut Counters,
+    counters: &'s mut T,
 }
 
-impl Group<'_, '_, '_> {
+impl<T: Tally> Group<'_, '_, '_, T> {
     pub(super) fn patches(&self) -> [PatchId; 2] {
         self.range.patches
     }
@@ -305,7 +309,7 @@ impl Group<'_, '_, '_> {
         let mut limit = self.wanted.farthest();
         let won = (self.range.winner as usize).wrapping_sub(self.range.start as usize);
         if let Some(candidate) = self.list.get(won) {
-            self.counters.triangle_tests += 1;
+            self.counters.features(candidate.features());
             best = self.contact(candidate, limit);
             limit = best.map_or(limit, |best| best.separation.max(0.0));
         }
@@ -316,7 +320,7 @@ impl Group<'_, '_, '_> {
             if at == won {
                 continue;
             }
-            self.counters.triangle_tests += 1;
+            self.counters.features(candidate.features());
             if let Some(found) = self.contact(candidate, limit)
                 && best.is_none_or(|best| nearer(&found, &best).is_lt())
             {
@@ -335,7 +339,7 @@ impl Group<'_, '_, '_> {
             if self.bound(candidate) > farthest {
                 break;
             }
-            self.counters.triangle_tests += 1;
+            self.counters.features(candidate.features());
             let found = self.contact(candidate, farthest);
             all.extend(found.filter(|contact| self.wanted.holds(contact)));
         }

@@ -37,11 +37,12 @@ pub(crate) use self::list::ContactMemory;
 use self::overlap::Overlaps;
 use self::walls::contacts_of_walls;
 pub(crate) use self::wanted::Wanted;
-use crate::answer::{Contact, Counters, Feature, Surface};
+use crate::answer::{Contact, Feature, Surface};
 use crate::coherent::Coherent;
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
+use crate::tally::Tally;
 
 /// Where a body has fewer faces, contacts of an overlap are those of its regions. More: curves are
 /// followed for what vertices and edges say as well; fewer: sides that overlap lose the contacts
@@ -83,7 +84,7 @@ pub(crate) fn near_patches(
     pair: &Pair,
     wanted: &Wanted,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Near {
     let coarse = Coarse::of(pair);
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
@@ -143,7 +144,7 @@ pub(crate) fn across_gaps(
     pair: &Pair,
     margin: f64,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<Contact> {
     let mut all = Vec::new();
     let wanted = Wanted::within(margin);

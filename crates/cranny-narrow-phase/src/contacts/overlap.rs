@@ -19,11 +19,12 @@ use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use super::{nearer, patches_of};
-use crate::answer::{Contact, Counters, Feature};
+use crate::answer::{Contact, Feature};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
 use crate::search::Vicinity;
 use crate::surface::FacePair;
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
 /// How much farther than the nearest way out the faces at the other edge may be from a point of an
@@ -57,7 +58,7 @@ impl<'p, 'm> Overlaps<'p, 'm> {
         pair: &'p Pair<'m>,
         coarse: Coarse,
         meeting: &[FacePair],
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Self {
         let mut found = Self::none(pair, coarse);
         let mut surfaces = Side::BOTH.map(|side| NearestOn::of(pair, side));
@@ -100,7 +101,7 @@ impl<'p, 'm> Overlaps<'p, 'm> {
     }
 }
 
-fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> bool {
+fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
     locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
 }
 
@@ -109,7 +110,7 @@ fn vertices_inside(
     side: Side,
     meeting: &[FacePair],
     surfaces: &mut [NearestOn; 2],
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) {
     let pair = found.pair;
     for vertex in vertices_within(pair, side, meeting, counters) {
@@ -152,11 +153,11 @@ fn way_out(
     Some(if side == Side::First { told } else { told.swapped() })
 }
 
-fn edges_crossing(
+fn edges_crossing<T: Tally>(
     found: &mut Overlaps,
     meeting: &[FacePair],
     surfaces: &mut [NearestOn; 2],
-    counters: &mut Counters,
+    counters: &mut T,
 ) {
     let pair = found.pair;
     let mut crossing: Vec<(EdgeId, EdgeId)> = Vec::new();
@@ -185,7 +186,7 @@ fn edges_crossing(
     crossing.dedup();
     for (e, g) in crossing {
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
-        let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut Counters| {
+        let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut T| {
             let nearest = surfaces[side.index()].to(p, counters).distance;
             let least = sine_of_half(pair, side, edge) * -contact.separation;
             let around = pair.topology(side).half_edges(edge);
@@ -246,7 +247,7 @@ impl<'p, 'm> NearestOn<'p, 'm> {
     }
 
     /// Ties go to the lowest face.
-    fn to(&mut self, p: DVec3, counters: &mut Counters) -> NearestFace {
+    fn to(&mut self, p: DVec3, counters: &mut impl Tally) -> NearestFace {
         let Self { pair, side, .. } = *self;
         let local = match side {
             Side::First => p,
@@ -289,6 +290,7 @@ impl NearestFace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::Counters;
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, Pose};

@@ -7,11 +7,11 @@
 use cranny_exact::{Meeting, WeightedPoint, classify_segment_triangle};
 use cranny_geometry::{FaceId, VertexId};
 
-use crate::answer::Counters;
 use crate::inside::{Location, locate};
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
+use crate::tally::Tally;
 
 /// Lists the vertices of a body that lie inside the other one, which is closed: those of faces that
 /// meet the other's, and what can be reached from these inside. `meeting` holds all pairs of faces
@@ -23,7 +23,7 @@ pub(super) fn vertices_within(
     pair: &Pair,
     side: Side,
     meeting: &[FacePair],
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<VertexId> {
     let mesh = pair.mesh(side);
     let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
@@ -109,6 +109,7 @@ fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::Counters;
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, DVec3, Pose};

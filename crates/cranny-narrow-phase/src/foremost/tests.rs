@@ -1,5 +1,6 @@
 use super::layer::MOST_VERTICES;
 use super::*;
+use crate::answer::Counters;
 use crate::brute_force::brute_force;
 use crate::closest::Closest;
 use crate::memory::PairMemory;

@@ -22,9 +22,9 @@ use cranny_exact::DVec3;
 use cranny_geometry::hull::HullVertexId;
 
 use super::HullGap;
-use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 
 /// Directions tried in one query. Fewer: hulls that are just apart are parted later, since the
 /// search goes on in the next query; more: hulls that overlap cost more before that is given up.
@@ -56,7 +56,7 @@ impl Parting {
     /// `wanted` is sought.
     ///
     /// What it returns exceeds every rounding of the pair: no computed distance is below it.
-    pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut Counters) -> f64 {
+    pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut impl Tally) -> f64 {
         if !self.backoff.is_due() {
             return 0.0;
         }
@@ -69,13 +69,13 @@ impl Parting {
         let (mut best, goal) = (0.0f64, wanted + pair.culling_error());
         for _ in 0..trials {
             let Some(seen) = HullGap::along(pair, direction, tops) else { return 0.0 };
-            counters.planes_tried += 1;
+            counters.counters().planes_tried += 1;
             tops = seen.tops.map(Some);
             best = best.max(seen.least);
             if seen.least > wanted {
                 (self.direction, self.tops) = (direction, tops);
                 self.backoff.succeeded();
-                counters.planes_parted += 1;
+                counters.counters().planes_parted += 1;
                 return seen.least;
             }
             let rest = (seen.between - goal * direction).normalize_or_zero();
@@ -103,6 +103,7 @@ impl Parting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::Counters;
     use crate::brute_force::brute_force;
     use crate::query::Placed;
     use cranny_exact::{DQuat, Pose};

@@ -21,9 +21,9 @@ use wide::f32x8;
 use super::ground::{At, Ground};
 use super::lanes::{Wide3, greatest, lanes_of, masked, wide, within};
 use super::parted::Leaf;
-use crate::answer::Counters;
 use crate::motion::MATRIX_ERROR;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 
 /// Rounded sums of motions are made larger by this part.
 const ROUND_UP: f64 = 1.0 + 1e-12;
@@ -144,7 +144,7 @@ impl Cut {
         pair: &Pair,
         ground: &Ground,
         (reach, spare): (f64, f64),
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Self {
         let mut cut = Self {
             pivot: Pivot::of(pair, ground),
@@ -182,7 +182,12 @@ impl Cut {
     }
 
     /// Follows the bodies to the pair's pose; whether that costs less than a new descent.
-    pub(crate) fn follow(&mut self, pair: &Pair, ground: &Ground, counters: &mut Counters) -> bool {
+    pub(crate) fn follow(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        counters: &mut impl Tally,
+    ) -> bool {
         let step = self.advance(pair);
         let is_short = step + 2.0 * ground.posing() < self.reach;
         let limits = self.built.map(|built| (WORN * built as f64) as usize + 64);
@@ -241,20 +246,21 @@ impl Cut {
         index: usize,
         ground: &Ground,
         stack: &mut Vec<[At; 2]>,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) {
         let block = &mut self.blocks[index];
-        counters.front_tested += u64::from(block.ended.count_ones());
+        counters.counters().front_tested += u64::from(block.ended.count_ones());
+        counters.boxes(|| ground.compared(block.at, block.side, u32::from(block.ended)));
         let what = (self.pivot.at, self.reach, self.spare);
         let tested = test(ground, block.at, block.side, what, u32::from(block.ended));
         block.ended = tested.ended;
-        counters.front_split += tested.near.count_ones() as u64;
+        counters.counters().front_split += tested.near.count_ones() as u64;
         self.due[index] = tested.due(&self.spent);
         push(ground, block.at, block.side, tested.near, stack);
     }
 
     /// Goes down from what is on the stack, and keeps where that ends.
-    fn descend(&mut self, ground: &Ground, stack: &mut Vec<[At; 2]>, counters: &mut Counters) {
+    fn descend(&mut self, ground: &Ground, stack: &mut Vec<[At; 2]>, counters: &mut impl Tally) {
         while let Some(at) = stack.pop() {
             let Some(side) = ground.opened(at) else {
                 let pair =
@@ -264,7 +270,8 @@ impl Cut {
             };
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
-            counters.node_tests += u64::from(node.count);
+            counters.counters().node_tests += u64::from(node.count);
+            counters.boxes(|| ground.compared(at, side, node.mask()));
             let tested =
                 test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {

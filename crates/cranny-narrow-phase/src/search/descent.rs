@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use super::closing::Closing;
 use super::ground::{At, Ground, gaps_and_overlaps};
 use super::lanes::{lanes_of, within};
-use crate::answer::Counters;
 use crate::pair::Side;
+use crate::tally::Tally;
 use cranny_geometry::clusters::LANES;
 use wide::f32x8;
 
@@ -26,7 +26,7 @@ pub(crate) trait Visitor {
 
     /// Looks at two clusters whose boxes are within reach, no nearer than `gap`; may end the
     /// descent.
-    fn clusters(&mut self, pair: [u32; 2], gap: f64, counters: &mut Counters) -> ControlFlow<()>;
+    fn clusters(&mut self, pair: [u32; 2], gap: f64, counters: &mut impl Tally) -> ControlFlow<()>;
 }
 
 /// Two places, and a lower bound of how far they are apart, in lengths of the pair.
@@ -45,7 +45,7 @@ pub(crate) fn descend<V: Visitor>(
     ground: &Ground,
     stack: &mut Vec<Pending>,
     visitor: &mut V,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> ControlFlow<()> {
     stack.clear();
     stack.push(Pending { gap: 0.0, order: 0.0, at: [At::ROOT; 2], closing: [f32::INFINITY; 2] });
@@ -63,7 +63,8 @@ pub(crate) fn descend<V: Visitor>(
         let i = side.index();
         let index = ground.child(side, at[i]).index();
         let node = &ground.tree(side).nodes()[index];
-        counters.node_tests += u64::from(node.count);
+        counters.counters().node_tests += u64::from(node.count);
+        counters.boxes(|| ground.compared(at, side, node.mask()));
         let placed = ground.placed(side, at[1 - i]);
         let (gaps, overlaps) = gaps_and_overlaps(node, &placed);
         let (far, own) = match visitor.closing() {

@@ -9,12 +9,13 @@
 //! Candidates can be made to last: all that may make a contact once anything has come nearer by
 //! `skin` and turned by `turn`.
 
-use cranny_geometry::PatchId;
 use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, RidgeLanes};
+use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 use wide::f32x8;
 
 use super::ground::{Ground, Placing, rounding};
 use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
+use crate::answer::Feature;
 use crate::pair::Side;
 
 /// Two features that may make a contact, by number.
@@ -39,6 +40,19 @@ pub(crate) struct Candidate {
     /// None that is farther than this counts, in lengths of the pair.
     pub(crate) reach: f32,
     pub(crate) kind: Kind,
+}
+
+impl Candidate {
+    /// The features, of the first body and of the second.
+    #[inline(always)]
+    pub(crate) fn features(&self) -> [Feature; 2] {
+        let [first, second] = self.ids;
+        match self.kind {
+            Kind::CornerFace => [Feature::Vertex(VertexId(first)), Feature::Face(FaceId(second))],
+            Kind::FaceCorner => [Feature::Face(FaceId(first)), Feature::Vertex(VertexId(second))],
+            Kind::Edges => [Feature::Edge(EdgeId(first)), Feature::Edge(EdgeId(second))],
+        }
+    }
 }
 
 /// For how long candidates are to last, and how far they reach: lengths of the pair, and a sine.

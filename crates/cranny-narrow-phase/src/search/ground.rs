@@ -6,6 +6,7 @@ use cranny_geometry::clusters::{Child, Cluster, LANES, OrientedBox, ROUNDING, Wi
 use wide::f32x8;
 
 use super::lanes::{Wide3, wide};
+use crate::observe::ComparedBoxes;
 use crate::pair::{Pair, Side};
 
 /// Lengths from here on, in units of a tree, are not compared in single precision: squares
@@ -30,6 +31,13 @@ impl At {
     #[inline(always)]
     pub(crate) fn lane(node: usize, lane: usize) -> Self {
         Self((node * LANES + lane) as u32)
+    }
+
+    /// The node and the lane; `None` at the root.
+    #[inline(always)]
+    pub(crate) fn place(self) -> Option<[u32; 2]> {
+        let lanes = LANES as u32;
+        (self != Self::ROOT).then_some([self.0 / lanes, self.0 % lanes])
     }
 
     #[inline(always)]
@@ -180,6 +188,14 @@ impl<'a> Ground<'a> {
         let i = side.index();
         // Units are powers of two; what they make of the least lengths is less than the error.
         lengths * f32x8::splat(self.per_unit[i] as f32) + f32x8::splat(self.error[i])
+    }
+
+    /// Lanes of the node at a place of `side`, compared with the other place.
+    #[inline(always)]
+    pub(crate) fn compared(&self, at: [At; 2], side: Side, lanes: u32) -> ComparedBoxes {
+        let body = side.index();
+        let node = self.child(side, at[body]).index() as u32;
+        ComparedBoxes { body, node, lanes, other: at[1 - body].place() }
     }
 
     /// The box at a place of the other side, in this side's coordinates.

@@ -4,9 +4,9 @@ use cranny_exact::RigidMap;
 
 use super::cut::Cut;
 use super::ground::Ground;
-use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::pair::Pair;
+use crate::tally::Tally;
 
 /// A cut that is built anew sooner than after so many queries has not paid for itself. Larger: it
 /// is given up where it still saves time; smaller: motion that outruns it is followed in vain.
@@ -70,7 +70,7 @@ impl KeptCut {
         pair: &Pair,
         ground: &Ground,
         reach: Reach,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> Option<&mut Cut> {
         let (mut build, mut held) = (reach.build, 0);
         if let Some(cut) = &mut self.cut {
@@ -86,12 +86,12 @@ impl KeptCut {
             let is_outgrown = followed && cut.reach() < reach.least;
             held = cut.held();
             self.cut = None;
-            counters.front_rebuilt += 1;
+            counters.counters().front_rebuilt += 1;
             if is_outgrown {
                 // What is asked varies, and may go on to.
                 build = OUTGROWN * reach.build;
             } else if !followed && self.age < LEAST_AGE {
-                counters.bypassed += 1;
+                counters.counters().bypassed += 1;
                 self.backoff.failed();
             }
         }
@@ -102,7 +102,7 @@ impl KeptCut {
         self.age = 0;
         self.is_here = true;
         let cut = self.cut.insert(Cut::build(pair, ground, (build, reach.spare), counters));
-        counters.front_merged += held.saturating_sub(cut.held());
+        counters.counters().front_merged += held.saturating_sub(cut.held());
         Some(cut)
     }
 

@@ -13,9 +13,10 @@ use super::descent::{Pending, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
-use crate::answer::{Counters, Surface};
+use crate::answer::Surface;
 use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
+use crate::tally::Tally;
 use cranny_geometry::triangle_distance::triangle_distance;
 
 /// Faces are worth measuring where they are apart by more than so many steps. Fewer: they are
@@ -54,7 +55,7 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 
     /// Takes note of two faces that meet; whether they do.
-    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> bool {
+    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut impl Tally) -> bool {
         let found = looked_at(self.pair, f, g, counters);
         self.surface = found.map_or(self.surface, |found| self.surface.max(found.meeting));
         self.found.extend(found);
@@ -62,8 +63,8 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 
     /// A lower bound of how far two faces that do not meet are apart.
-    fn measured(&self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
-        counters.triangle_tests += 1;
+    fn measured(&self, f: FaceId, g: FaceId, counters: &mut impl Tally) -> f64 {
+        counters.faces([f, g]);
         let (a, b) = (self.pair.triangle(Side::First, f), self.pair.triangle(Side::Second, g));
         let apart = triangle_distance(&a, &b).squared.sqrt() - self.pair.length_error();
         apart.max(0.0)
@@ -76,7 +77,7 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
         &mut self,
         clusters: [u32; 2],
         (reach, measures): (f64, bool),
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> f64 {
         let faced = Faced::of(self.ground, clusters);
         let (mut least, mut its) = (reach, None);
@@ -105,7 +106,7 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
 
     /// Looks at the faces that were noted, of two clusters that are `least` apart but for these;
     /// returns how far apart they are with these.
-    fn judge(&mut self, mut least: f64, measures: bool, counters: &mut Counters) -> f64 {
+    fn judge(&mut self, mut least: f64, measures: bool, counters: &mut impl Tally) -> f64 {
         let unit = self.ground.tree(Side::First).unit();
         let mut near = [(0.0, [FaceId(0); 2]); LANES];
         let mut count = 0;
@@ -140,7 +141,13 @@ impl Visitor for Meetings<'_, '_, '_> {
         0.0
     }
 
-    fn clusters(&mut self, clusters: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
+    fn clusters(
+        &mut self,
+        clusters: [u32; 2],
+        _: f64,
+        counters: &mut impl Tally,
+    ) -> ControlFlow<()> {
+        counters.clusters(clusters);
         if self.ground.are_parted_by_normals(clusters) {
             return ControlFlow::Continue(());
         }
@@ -154,7 +161,7 @@ fn search(
     ground: &Ground,
     ends_at_crossing: bool,
     stack: &mut Vec<Pending>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     // Who ends it knows.
@@ -167,7 +174,7 @@ pub(crate) fn meeting_faces(
     pair: &Pair,
     ground: &Ground,
     stack: &mut Vec<Pending>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Vec<FacePair> {
     search(pair, ground, false, stack, counters).1
 }
@@ -178,13 +185,13 @@ pub(crate) fn first_meeting(
     pair: &Pair,
     ground: &Ground,
     stack: &mut Vec<Pending>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     search(pair, ground, true, stack, counters)
 }
 
 /// The same as [`meeting_faces`], for whoever asks once.
-pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
+pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
     meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
 }
 
@@ -200,7 +207,7 @@ pub(crate) fn meetings_in(
     pair: &Pair,
     ground: &Ground,
     (ends_at_crossing, step): (bool, f64),
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>, StayedApart) {
     let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     let (reach, posing) = (cut.reach(), ground.posing());
@@ -211,6 +218,7 @@ pub(crate) fn meetings_in(
         if left > 0.0 {
             continue;
         }
+        counters.clusters(leaf.pair);
         let (direction, was_parted) = (leaf.direction, leaf.is_parted);
         let gap = ground.cluster_gap(leaf, 0.0);
         if gap > 0.0 {
@@ -261,7 +269,7 @@ impl Visitor for Listing<'_, '_, '_, '_> {
         &mut self,
         clusters: [u32; 2],
         gap: f64,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
     ) -> ControlFlow<()> {
         if self.lists.is_some() {
             self.listed.push(clusters);
@@ -289,7 +297,7 @@ pub(crate) fn near_clusters(
     (lists, meets): (Option<Lists>, bool),
     stack: &mut Vec<Pending>,
     listed: &mut Vec<[u32; 2]>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     let meetings = Meetings::new(pair, ground, false);
     let (closing, lists) = (lists.and_then(|lists| lists.closing), lists.map(|lists| lists.reach));
@@ -300,7 +308,13 @@ pub(crate) fn near_clusters(
 }
 
 /// Lists pairs of clusters of a cut.
-pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, lists: Lists, listed: &mut Vec<[u32; 2]>) {
+pub(crate) fn list_near(
+    cut: &mut Cut,
+    ground: &Ground,
+    lists: Lists,
+    listed: &mut Vec<[u32; 2]>,
+    counters: &mut impl Tally,
+) {
     let (posing, reach) = (ground.posing(), lists.reach);
     let counts = |pair, gap: f64| {
         gap <= 0.0 || lists.closing.is_none_or(|closing| gap <= closing.of_clusters(ground, pair))
@@ -310,6 +324,7 @@ pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, lists: Lists, listed: &m
         if spent.left(leaf) > reach {
             continue;
         }
+        counters.clusters(leaf.pair);
         let gap = ground.cluster_gap(leaf, reach);
         spent.note_along(leaf, gap, posing);
         if gap <= reach && counts(leaf.pair, gap) {

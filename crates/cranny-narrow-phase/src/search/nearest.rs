@@ -11,10 +11,10 @@ use super::descent::{Pending, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
-use crate::answer::Counters;
 use crate::closest::NearestFaces;
 use crate::pair::Side;
 use crate::surface::{FacePair, looked_at};
+use crate::tally::Tally;
 
 struct Nearest<'s, 'g, 'p, 'm> {
     ground: &'g Ground<'m>,
@@ -32,7 +32,7 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
     }
 
     /// Notes the faces of two clusters that may be nearest.
-    fn look(&mut self, clusters: [u32; 2], counters: &mut Counters) {
+    fn look(&mut self, clusters: [u32; 2], counters: &mut impl Tally) {
         let faced = Faced::of(self.ground, clusters);
         let (bound, mut its) = (faced.bound(self.faces.limit()), None);
         for lane in 0..faced.count() {
@@ -52,7 +52,7 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
     }
 
     /// Offers what was noted, the nearest first as far as single precision tells.
-    fn measure(&mut self, counters: &mut Counters) {
+    fn measure(&mut self, counters: &mut impl Tally) {
         let unit = self.ground.tree(Side::First).unit();
         let limit = |faces: &NearestFaces| ((faces.limit() / unit) as f32).next_up();
         let mut bound = limit(self.faces);
@@ -83,7 +83,8 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
         self.faces.limit()
     }
 
-    fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
+    fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut impl Tally) -> ControlFlow<()> {
+        counters.clusters(pair);
         if let Some(toward) = self.faces.toward() {
             let gap = self.ground.cluster_gap_along(pair, toward.to_array().map(|x| x as f32));
             if gap > self.faces.limit() {
@@ -105,7 +106,7 @@ pub(crate) fn nearest_faces<'p, 'm>(
     ground: &Ground<'m>,
     stack: &mut Vec<Pending>,
     faces: &mut NearestFaces<'p, 'm>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) {
     // Nothing ends it.
     let _ = descend(ground, stack, &mut Nearest::new(ground, faces), counters);
@@ -116,7 +117,7 @@ pub(crate) fn nearest_or_meeting<'p, 'm>(
     ground: &Ground<'m>,
     stack: &mut Vec<Pending>,
     faces: &mut NearestFaces<'p, 'm>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) -> Option<FacePair> {
     let mut nearest = Nearest { judges: true, ..Nearest::new(ground, faces) };
     // Who ends it knows.
@@ -130,7 +131,7 @@ pub(crate) fn nearest_in<'p, 'm>(
     cut: &mut Cut,
     ground: &Ground<'m>,
     faces: &mut NearestFaces<'p, 'm>,
-    counters: &mut Counters,
+    counters: &mut impl Tally,
 ) {
     let posing = ground.posing();
     let (leaves, spent) = cut.leaves();
@@ -140,6 +141,7 @@ pub(crate) fn nearest_in<'p, 'm>(
         if spent.left(leaf) > limit {
             continue;
         }
+        counters.clusters(leaf.pair);
         let gap = ground.cluster_gap(leaf, limit);
         spent.note_along(leaf, gap, posing);
         if gap <= limit {

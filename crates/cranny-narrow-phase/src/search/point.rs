@@ -10,7 +10,7 @@ use wide::f32x8;
 
 use super::ground::rounding;
 use super::lanes::{Wide3, lanes_of, wide, within};
-use crate::answer::Counters;
+use crate::tally::Tally;
 
 /// A list reaches so many strides from point to point farther than its first point needs, or radii
 /// of a cluster where these are less. Fewer: it serves fewer points; more: each of them looks at
@@ -52,7 +52,7 @@ impl Vicinity {
         tree: &ClusterTree,
         p: DVec3,
         (mut reach, allowance): (f64, f64),
-        counters: &mut Counters,
+        counters: &mut impl Tally,
         mut visit: impl FnMut(FaceId) -> f64,
     ) {
         let point = Point::of(tree, p, allowance);
@@ -70,7 +70,7 @@ impl Vicinity {
         let bound = point.bound(reach);
         self.near.clear();
         for boxes in &self.boxes {
-            counters.node_tests += 1;
+            counters.counters().node_tests += 1;
             let gaps = box_gaps((&boxes.center, &boxes.axes, &boxes.half), point.at);
             let near = within(gaps, f32x8::splat(bound)) & ((1 << boxes.count) - 1);
             let gaps = gaps.to_array();
@@ -87,7 +87,7 @@ impl Vicinity {
 
     /// Lists what is within reach of the centre, which is the point; whether it is no more than
     /// `most` times eight boxes.
-    fn list(&mut self, point: &Point, most: usize, counters: &mut Counters) -> bool {
+    fn list(&mut self, point: &Point, most: usize, counters: &mut impl Tally) -> bool {
         let tree = point.tree;
         // Points that lie beside the centre are off by as much as it is.
         let bound = f32x8::splat(point.bound(self.reach + point.allowance));
@@ -98,7 +98,7 @@ impl Vicinity {
             if self.boxes.len() > most {
                 return false;
             }
-            counters.node_tests += 1;
+            counters.counters().node_tests += 1;
             let node = &tree.nodes()[index as usize];
             for lane in lanes_of(within(point.gaps(node), bound) & node.mask()) {
                 let child: Child = node.children[lane];
@@ -166,13 +166,13 @@ impl<'a> Point<'a> {
     fn nearest_cluster(
         &self,
         reach: &mut f64,
-        counters: &mut Counters,
+        counters: &mut impl Tally,
         visit: &mut impl FnMut(FaceId) -> f64,
     ) -> f64 {
         let tree = self.tree;
         let mut node = &tree.nodes()[0];
         loop {
-            counters.node_tests += 1;
+            counters.counters().node_tests += 1;
             let gaps = self.gaps(node).to_array();
             let nearer = |&i: &usize, &k: &usize| gaps[i].total_cmp(&gaps[k]);
             let lane = (0..node.count as usize).min_by(nearer).unwrap_or(0);

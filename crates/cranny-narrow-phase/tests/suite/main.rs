@@ -10,6 +10,7 @@ mod demands;
 mod depth;
 mod distances;
 mod gaps;
+mod heat;
 mod needles;
 mod observe;
 mod pockets;

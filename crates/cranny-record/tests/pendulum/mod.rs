@@ -84,6 +84,8 @@ impl Pendulum {
                 mesh,
                 color,
                 color_is_stated: false,
+                number: None,
+                sensor: false,
                 model: None,
                 primitive: None,
                 kind: None,

@@ -76,6 +76,9 @@ pub(crate) enum ViewArg {
     /// The scene with the way of each moving body since --from or the beginning, where it was
     /// before, and its velocity.
     Motion,
+    /// The scene twice, faces coloured by how often the search for contacts looks at them: from
+    /// nothing, and with what the frames before have left.
+    Heat,
 }
 
 /// Where Rerun's viewer listens by default.

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use cranny_geometry::{BuildOptions, Flatness, Model, Repair};
+use cranny_record::write_whole;
 
 use super::{LoadedModel, Times};
 use crate::failure::Failure;
-use crate::paths::write_whole;
 
 /// Loads a saved model.
 ///

@@ -93,7 +93,7 @@ fn a_replay_that_compared_nothing_has_verified_nothing() {
 fn any_moment_is_drawn_in_any_view() {
     let folder = Folder::new();
     let path = recorded(&folder);
-    for view in ["page", "scene", "section", "xray", "wireframe"] {
+    for view in ["page", "scene", "section", "xray", "wireframe", "motion", "heat"] {
         let picture = argument(&folder.path(&format!("{view}.png")));
         let outcome = run(&[
             "replay", &path, "--at", "0.3", "--render", &picture, "--view", view, "--size",

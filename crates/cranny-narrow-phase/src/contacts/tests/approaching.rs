@@ -1,6 +1,7 @@
 //! Contacts that motion has to close are all found, by the trees' bounds of wrenches: all pairs are
 //! tried. And no others are handed on.
 
+use crate::answer::Counters;
 use cranny_exact::{DMat3, DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_shapes::{Comb, Cup, IsoBolt, IsoNut, LPrism, Shape, Torus};

@@ -1,5 +1,6 @@
 //! The list of candidates holds every pair of features that makes a contact: all pairs are tried.
 
+use crate::answer::Counters;
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_testkit::Rng;

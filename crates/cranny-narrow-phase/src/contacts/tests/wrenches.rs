@@ -5,6 +5,7 @@
 //! n + v · (p − c) × n / L: the support function of its wrenches, with L the lesser body's radius,
 //! so that a torque counts as the force at its rim.
 
+use crate::answer::Counters;
 use std::collections::BTreeSet;
 
 use super::super::*;
