@@ -39,8 +39,8 @@ const DEEP: f64 = 0.2;
 /// good.
 const FREE: f64 = 0.25;
 
-/// Which of the shallower cores are tried where none of the deeper ones serves. More: fewer are made
-/// in vain; fewer: bodies that hardly overlap are held sooner.
+/// Which of the shallower cores are tried where none of the deeper ones serves. More: fewer are
+/// made in vain; fewer: bodies that hardly overlap are held sooner.
 const SHALLOWER: usize = 3;
 
 /// A thickness counts as another's up to this many times it. Larger: plates are held by cores of
