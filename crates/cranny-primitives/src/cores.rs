@@ -6,8 +6,10 @@
 //! ([`let_until`](crate::let_until)).
 //!
 //! A body has a core for each of a series of depths, each twice the one before. That of a mesh has
-//! the mesh's faces, their vertices moved so that all faces around lie as deep: about half-way
-//! through where the body is thin, never beyond. That of a primitive is a smaller one.
+//! the mesh's faces, their vertices moved so that all faces around lie as deep, and less than
+//! half-way through where the body is thin. Vertices between faces that coincide stay where they
+//! are, and deep cores of fine crests cross themselves: [`hold`](crate::let_until) takes another
+//! then. That of a primitive is a smaller one.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -19,7 +21,7 @@ use crate::primitive::{Ball, Capsule, Cone, Cylinder, Primitive};
 use crate::ray::cast_ray;
 use crate::shape::BodyShape;
 
-/// Number of cores: the shallowest is a millionth of the deepest. More: rounding of poses is deeper
+/// Number of cores: the shallowest is two millionths as deep as the deepest. More: rounding of poses is deeper
 /// than that; fewer: what touches sinks in visibly before it is held.
 pub(crate) const LEVELS: usize = 20;
 
@@ -183,7 +185,7 @@ impl Inwards {
         let normals = normals_at(model, vertex);
         let out = amid(&normals);
         let least = normals.iter().map(|normal| normal.dot(out)).fold(1.0, f64::min);
-        // A saddle is behind none of its sides wholly: behind one of them there is some of the body.
+        // A saddle is behind none of its sides wholly: behind one of them is some of the body.
         let mut ways = std::iter::once(out).chain(normals.iter().copied());
         let inner = ways.find_map(|out| Some((-out, way_through(model, at, -out)?)));
         let (way, room) = inner.unwrap_or((DVec3::ZERO, 0.0));
@@ -272,6 +274,34 @@ mod tests {
 
     fn built(shape: impl Into<Shape>) -> BodyShape {
         Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0.into()
+    }
+
+    /// Of all shapes that are generated: no vertex of a shallow core leaves the body.
+    #[test]
+    fn cores_of_all_generators_lie_within() {
+        let mut shapes = 0;
+        for shape in Shape::defaults() {
+            let name = shape.name();
+            let Ok(mesh) = shape.build() else { continue };
+            let model = Model::build(mesh, &BuildOptions::default()).unwrap().0;
+            if model.mass_properties().is_none() {
+                continue;
+            }
+            shapes += 1;
+            let cores = Cores::of(model.into());
+            let level = LEVELS - 6;
+            let core = cores.core(level).expect("something is left");
+            let [a, b] =
+                [cores.shape(), core].map(|s| PlacedShape { shape: s, pose: Pose::IDENTITY });
+            let verdict = Query::of(Demand::Intersects);
+            let answer = query_shapes(a, b, &verdict, &mut PairMemory::default()).unwrap();
+            assert!(answer.contained.is_some() && answer.solid, "{name}");
+            for &p in core.model().unwrap().mesh().vertices().iter().step_by(7) {
+                let found = separation_of_point(cores.shape(), p, 0.0);
+                assert_eq!(found, Ok(Separation::Meeting), "{name}: {p}");
+            }
+        }
+        assert!(shapes > 30, "{shapes}");
     }
 
     /// Flat below, with a ridge above: the sum of the sides at its tip looks up.

@@ -5,7 +5,7 @@
 //! ([`Cores`]): what touches slides, rolls, leaves and lands, and comes into the other by no more
 //! than the core is deep. It is the shallowest core that serves: of those below a share of the
 //! thinner body's thickness, the deepest; where the other body is in it already, or about to be,
-//! the next one. The deepest core of all is held whatever is near it.
+//! the next one.
 //!
 //! The core is that of the thicker body, or of two alike of the one of fewer faces: a plate is held
 //! by the core of the block that it lands on. Where none of it serves, one of the other body does.
