@@ -21,8 +21,8 @@ use crate::primitive::{Ball, Capsule, Cone, Cylinder, Primitive};
 use crate::ray::cast_ray;
 use crate::shape::BodyShape;
 
-/// Number of cores: the shallowest is two millionths as deep as the deepest. More: rounding of poses is deeper
-/// than that; fewer: what touches sinks in visibly before it is held.
+/// Number of cores: the shallowest is two millionths as deep as the deepest. More: rounding of poses
+/// is deeper than that; fewer: what touches sinks in visibly before it is held.
 pub(crate) const LEVELS: usize = 20;
 
 /// The depth of the deepest core, as a share of the body's thickness. Larger: a plate has none;
@@ -265,7 +265,7 @@ mod tests {
     use super::*;
     use cranny_exact::Pose;
     use cranny_narrow_phase::{Demand, PairMemory, Query};
-    use cranny_shapes::{Cuboid, Cup, Hook, IsoNut, LPrism, Shape, Torus};
+    use cranny_shapes::{Boxes, Cuboid, Cup, Hook, IsoNut, LPrism, Shape, Torus};
     use cranny_testkit::Rng;
 
     use crate::between::{PlacedShape, query_shapes};
@@ -317,6 +317,9 @@ mod tests {
     /// Each core of a mesh lies within the body, as deep as it says, or less where that is thin.
     #[test]
     fn a_core_of_a_mesh_lies_as_deep_as_it_says() {
+        // Far thinner than the block that it stands on.
+        let (block, fin) =
+            ([[-2.0, -2.0, -2.0], [2.0, 2.0, 0.0]], [[0.0, -2.0, 0.0], [0.02, 2.0, 1.0]]);
         let meshes = [
             built(Cuboid { size: [1.0, 2.0, 0.1] }),
             built(LPrism::default()),
@@ -325,6 +328,7 @@ mod tests {
             built(Torus::default()),
             built(IsoNut::default()),
             arrow(),
+            built(Boxes { add: vec![block, fin], cut: vec![] }),
         ];
         for (index, shape) in meshes.into_iter().enumerate() {
             let cores = Cores::of(shape);
