@@ -21,8 +21,8 @@ use crate::primitive::{Ball, Capsule, Cone, Cylinder, Primitive};
 use crate::ray::cast_ray;
 use crate::shape::BodyShape;
 
-/// Number of cores: the shallowest is two millionths as deep as the deepest. More: rounding of poses
-/// is deeper than that; fewer: what touches sinks in visibly before it is held.
+/// Number of cores: the shallowest is two millionths as deep as the deepest. More: rounding of
+/// poses is deeper than that; fewer: what touches sinks in visibly before it is held.
 pub(crate) const LEVELS: usize = 20;
 
 /// The depth of the deepest core, as a share of the body's thickness. Larger: a plate has none;
