@@ -12,7 +12,7 @@
 //! then. That of a primitive is a smaller one.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, FaceId, Mesh, Model, VertexId};
@@ -48,7 +48,8 @@ const STEPS_TO_THE_MIDDLE: u32 = 64;
 /// Smaller: rays meet the vertex's own faces, by rounding; larger: thin walls are missed.
 const BENEATH: f64 = 1e-6;
 
-/// The cores of one shape, each made when it is first read. Clones share them.
+/// The cores of one shape. Clones share them, and remember those that a sweep has needed: most
+/// bodies need none, and the others two or three.
 #[derive(Clone, Debug)]
 pub struct Cores(Arc<Series>);
 
@@ -56,9 +57,15 @@ pub struct Cores(Arc<Series>);
 struct Series {
     shape: BodyShape,
     thickness: f64,
+    made: Mutex<Made>,
+}
+
+/// What sweeps have needed so far.
+#[derive(Debug, Default)]
+struct Made {
     /// Of a mesh's vertices.
-    inwards: OnceLock<Vec<Inwards>>,
-    cores: [OnceLock<Option<BodyShape>>; LEVELS],
+    inwards: Option<Vec<Inwards>>,
+    cores: [Option<Option<BodyShape>>; LEVELS],
 }
 
 impl Cores {
@@ -66,8 +73,7 @@ impl Cores {
     #[must_use]
     pub fn of(shape: BodyShape) -> Self {
         let thickness = shape.thickness();
-        let (inwards, cores) = (OnceLock::new(), Default::default());
-        Self(Arc::new(Series { shape, thickness, inwards, cores }))
+        Self(Arc::new(Series { shape, thickness, made: Mutex::default() }))
     }
 
     /// The shape itself.
@@ -93,20 +99,21 @@ impl Cores {
     }
 
     /// The core of a level; `None` where the shape bounds no volume, or too little of it is left.
-    pub(crate) fn core(&self, level: usize) -> Option<&BodyShape> {
+    pub(crate) fn core(&self, level: usize) -> Option<BodyShape> {
         if !self.thickness().is_finite() {
             return None;
         }
-        let make = || match self.shape() {
+        let depth = self.depth(level);
+        let Made { inwards, cores } =
+            &mut *self.0.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let core = cores[level].get_or_insert_with(|| match self.shape() {
             BodyShape::Model(model) => {
-                let inwards = self.0.inwards.get_or_init(|| inwards(model));
-                sunk(model, inwards, self.depth(level)).map(BodyShape::from)
+                let inwards = inwards.get_or_insert_with(|| all_inwards(model));
+                sunk(model, inwards, depth).map(BodyShape::from)
             }
-            BodyShape::Primitive(primitive) => {
-                smaller(primitive, self.depth(level)).map(BodyShape::from)
-            }
-        };
-        self.0.cores[level].get_or_init(make).as_ref()
+            BodyShape::Primitive(primitive) => smaller(primitive, depth).map(BodyShape::from),
+        });
+        core.clone()
     }
 }
 
@@ -142,7 +149,7 @@ impl<K: Ord> CoresOfBodies<K> {
 }
 
 /// How the vertices of a model are moved inwards: depths apart, the same for all cores.
-fn inwards(model: &Model) -> Vec<Inwards> {
+fn all_inwards(model: &Model) -> Vec<Inwards> {
     let mesh = model.mesh();
     let faces = (0..mesh.faces().len() as u32).map(FaceId);
     // From the middle of each face to the other side of the body.
@@ -244,7 +251,8 @@ fn smaller(primitive: &Primitive, depth: f64) -> Option<Primitive> {
         Primitive::Cone(cone) => {
             let height = 2.0 * cone.half_height;
             // Of the angle between the axis and the side.
-            let sine = cone.radius / cone.radius.hypot(height);
+            let side = (cone.radius * cone.radius + height * height).sqrt();
+            let sine = cone.radius / side;
             let (base, apex) = (depth, height - depth / sine);
             let left = Some(apex - base).filter(|&left| left > 0.0)?;
             let up = cone.axis.try_normalize()?;
@@ -292,7 +300,7 @@ mod tests {
             let level = LEVELS - 6;
             let core = cores.core(level).expect("something is left");
             let [a, b] =
-                [cores.shape(), core].map(|s| PlacedShape { shape: s, pose: Pose::IDENTITY });
+                [cores.shape(), &core].map(|s| PlacedShape { shape: s, pose: Pose::IDENTITY });
             let verdict = Query::of(Demand::Intersects);
             let answer = query_shapes(a, b, &verdict, &mut PairMemory::default()).unwrap();
             assert!(answer.contained.is_some() && answer.solid, "{name}");
@@ -336,7 +344,7 @@ mod tests {
             for level in LEVELS - 8..LEVELS - 3 {
                 let core = cores.core(level).expect("something is left");
                 let [a, b] =
-                    [cores.shape(), core].map(|shape| PlacedShape { shape, pose: Pose::IDENTITY });
+                    [cores.shape(), &core].map(|shape| PlacedShape { shape, pose: Pose::IDENTITY });
                 let demand = Query::of(Demand::Distance { below: None });
                 let answer = query_shapes(a, b, &demand, &mut PairMemory::default()).unwrap();
                 let gap = answer.distance.unwrap();
@@ -377,7 +385,7 @@ mod tests {
                     let all = |far: f64| {
                         around.iter().all(|way| holds(cores.shape(), p + way * (far * depth)))
                     };
-                    if holds(core, p) {
+                    if holds(&core, p) {
                         within += 1;
                         assert!(all(0.999), "{primitive:?} at level {level}: {p}");
                     } else {

@@ -171,8 +171,9 @@ impl Held<'_> {
         // Where a core pokes out of its body, by crossing itself, a shallower one does so less.
         let shallower = (0..first).rev().step_by(SHALLOWER);
         (first..LEVELS).chain(shallower).find_map(|level| {
+            let core = cores.core(level)?;
             let mut held = self.ends.map(MovingCores::whole);
-            held[owner].shape = cores.core(level)?;
+            held[owner].shape = &core;
             let depth = cores.depth(level);
             // The next core is twice as deep.
             let free = if 2.0 * depth <= self.pushed_to { FREE } else { 0.0 };

@@ -42,10 +42,12 @@ struct Kept {
     /// The log's step.
     log_step: u64,
     answers: Vec<WrittenAnswer>,
-    /// The searches whose contacts the next step may carry on: tags, pose, reach, how far a way out
-    /// lasts.
-    searches: Vec<((u32, u32), WrittenPose, f64, Option<f64>)>,
+    /// The searches whose contacts the next step may carry on.
+    searches: Vec<WrittenSearch>,
 }
+
+/// Tags, pose, reach, how far a way out lasts.
+type WrittenSearch = ((u32, u32), WrittenPose, f64, Option<f64>);
 
 /// Rotation and translation.
 #[derive(Clone, Copy, Serialize, Deserialize)]
