@@ -38,7 +38,7 @@ pub struct Solidity {
 
 impl Solidity {
     /// Decides for surfaces that share no point, exactly: one vertex of each component is
-    /// [located](Counters::inside_tests) against the other solid.
+    /// [located](crate::Counters::inside_tests) against the other solid.
     #[must_use]
     pub fn of_disjoint_surfaces(pair: &Pair, counters: &mut impl Tally) -> Self {
         let parts = Side::BOTH.map(|side| whole_components(pair, side, counters));

@@ -91,10 +91,16 @@ pub(crate) fn log_axes<'a, 'b>(
         .x_desc(words.x)
         .y_desc(words.y)
         .label_style(LABEL)
-        .x_label_formatter(&|x| if is_round(*x) { format!("{x}") } else { String::new() })
+        .x_label_formatter(&|x| if is_round(*x) { plain(*x) } else { String::new() })
         .y_label_formatter(&|y| if is_round(*y) { mark(*y) } else { String::new() })
         .draw()?;
     Ok(chart)
+}
+
+/// A power of ten as people write it: that of an axis is off by rounding.
+pub(crate) fn plain(power: f64) -> String {
+    let rounded = format!("{power:.0e}").parse::<f64>().unwrap_or(power);
+    format!("{rounded}")
 }
 
 /// A drawing as SVG, on white.
@@ -163,6 +169,12 @@ fn column<S>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn powers_are_written_plainly() {
+        let named = [0.000_009_999_999_999, 0.01, 1.000_000_000_1, 1e3].map(plain);
+        assert_eq!(named, ["0.00001", "0.01", "1", "1000"]);
+    }
 
     #[test]
     fn axes_run_from_power_to_power_and_name_round_numbers() {

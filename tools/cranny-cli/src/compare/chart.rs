@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::figures::{RunFigures, StepTimes};
 use crate::chart::{
     Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, Words, YELLOW,
-    decades, legend, log_axes, svg,
+    decades, legend, log_axes, plain, svg,
 };
 use crate::failure::Failure;
 
@@ -63,7 +63,7 @@ fn draw_outcome(area: &Area<'_>, marks: &[(String, (f64, f64))]) -> Result<(), F
         x: "mean time of a step, milliseconds",
         y: "deepest overlap, units of the scene",
     };
-    let mut chart = log_axes(area, (xs, ys), &words, |depth| format!("{depth}"))?;
+    let mut chart = log_axes(area, (xs, ys), &words, plain)?;
     for ((name, at), color) in marks.iter().zip(COLORS.into_iter().cycle()) {
         let text = Text::new(name.clone(), (9, -7), ("sans-serif", 14).into_font().color(&color));
         let mark = EmptyElement::at(*at) + Circle::new((0, 0), 5, color.filled()) + text;
