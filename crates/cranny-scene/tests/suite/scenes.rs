@@ -787,3 +787,25 @@ fn devices_of_two_bodies_err_each_on_its_own() {
     assert!(one[0] != one[1] && one[0] != other[0] && one[1] != other[1], "{one:?} {other:?}");
     assert_eq!(seeds(1, ", seed: 7"), [7, 7], "as stated");
 }
+
+#[test]
+fn numbers_that_no_solver_holds_are_refused_with_their_place_and_range() {
+    let body = |fields: &str| {
+        parse(&format!("(bodies: [(name: \"a\", shape: Generator(Cuboid()),\n{fields})])"))
+    };
+    for (fields, says) in [
+        ("material: (density: 1e300)", "from 1e-30 to 1e30"),
+        ("material: (friction: 1e300)", "from 0 to 1e30, which solvers hold, found 1e300"),
+        ("mass: Total(1e-40)", "from 1e-30 to 1e30, which solvers hold, found 1e-40"),
+        ("mass: Stated(mass: 1e40, inertia: (1, 1, 1))", "from 1e-30 to 1e30"),
+    ] {
+        let error = body(fields).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("line 2"), "{fields}: {error}");
+    }
+    let large = "(bodies: [(name: \"a\", shape: Generator(Cuboid(size: (1e9, 1e9, 1e9))), material: (density: 1e9))])";
+    let error = parse(large).unwrap_err().to_string();
+    assert!(
+        error.contains("body \"a\": its mass is 1.000e36") && error.contains("1e-30 to 1e30"),
+        "{error}"
+    );
+}
