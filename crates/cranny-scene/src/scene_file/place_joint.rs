@@ -24,6 +24,7 @@ impl Assembly<'_> {
             target: joint.target.map(|target| target.0),
             path: joint.path.as_ref(),
         };
+        drive.check_position(kind.limits()).map_err(|what| self.refused_joint(joint, what))?;
         let path = drive.path(kind.limits()).map_err(|what| self.refused_joint(joint, what))?;
         let motor = drive.motor(Motor::default(), path.as_deref(), None);
         let whose = format!("joint {:?}", joint.name);

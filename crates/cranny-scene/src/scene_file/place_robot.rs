@@ -86,6 +86,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         let problem = SceneProblem::Position { robot: name.clone(), source: wrong };
         source.error(place.clone(), problem)
     };
+    check_motors(&robot, file, &targets).map_err(refuse)?;
     robot.all_positions(&targets).map_err(position_error)?;
     let driven = file.motors.keys().chain(file.paths.keys());
     let driven = driven.map(|joint| (joint.clone(), 0.0)).collect();
@@ -157,6 +158,15 @@ impl RobotFile {
     /// What is to lead a joint.
     fn drive(&self, joint: &str, target: Option<f64>) -> Drive<'_> {
         Drive { motor: self.motors.get(joint), target, path: self.paths.get(joint) }
+/// Fails if a motor leads its joint outside its limits, or elsewhere than the joint's target.
+fn check_motors(robot: &Robot, file: &RobotFile, targets: &JointPositions) -> Result<(), String> {
+    file.motors.keys().try_for_each(|name| {
+        let limits = robot.joint(name).and_then(|joint| robot.joints[joint].limits());
+        let drive = file.drive(name, targets.get(name).copied());
+        drive.check_position(limits).map_err(|what| format!("joint {name:?}: {what}"))
+    })
+}
+
     }
 }
 

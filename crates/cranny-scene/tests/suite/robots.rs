@@ -373,6 +373,14 @@ fn inertial(mass: f64, origin: &str, tensor: [f64; 3]) -> String {
     format!(
         "<inertial>{origin}<mass value=\"{mass}\"/><inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
     )
+        (
+            "motors: {\"turn\": (position: 3)}",
+            "joint \"turn\": its motor's position is 3, outside its limits, -2 to 2",
+        ),
+        (
+            "targets: {\"turn\": 1}, motors: {\"turn\": (position: -1)}",
+            "joint \"turn\": its target is 1, but the position of its motor is -1",
+        ),
 }
 
 #[test]

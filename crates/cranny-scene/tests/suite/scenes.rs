@@ -809,3 +809,23 @@ fn numbers_that_no_solver_holds_are_refused_with_their_place_and_range() {
         "{error}"
     );
 }
+
+#[test]
+fn motors_that_lead_outside_the_limits_or_two_ways_are_refused() {
+    let hinge =
+        |drive: &str| joined(&format!("kind: Revolute(axis: (0, 0, 1), limits: (-1, 1)), {drive}"));
+    for (drive, says) in [
+        ("target: 2", "joint \"j\": its target is 2, outside its limits, -1 to 1"),
+        ("motor: (position: -1.5)", "its motor's position is -1.5, outside its limits, -1 to 1"),
+        (
+            "target: 1, motor: (position: -1)",
+            "its target is 1, but the position of its motor is -1",
+        ),
+    ] {
+        let error = hinge(drive).unwrap_err().to_string();
+        assert!(error.contains("line 3, column ") && error.contains(says), "{drive}: {error}");
+    }
+    for drive in ["target: -1", "motor: (position: 1)", "target: 0.5, motor: (stiffness: 2)"] {
+        hinge(drive).unwrap();
+    }
+}
