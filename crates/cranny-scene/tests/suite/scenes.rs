@@ -829,3 +829,30 @@ fn motors_that_lead_outside_the_limits_or_two_ways_are_refused() {
         hinge(drive).unwrap();
     }
 }
+
+#[test]
+fn joints_that_change_nothing_are_warned_of() {
+    let scene = |kind: &str, joints: &str| {
+        let body =
+            |name: &str| format!("(name: \"{name}\", shape: Generator(Cuboid()), kind: {kind})");
+        parse(&format!("(bodies: [{}, {}], joints: [{joints}])", body("a"), body("b")))
+            .unwrap()
+            .warnings
+    };
+    let joint = |name: &str, kind: &str| {
+        format!("(name: \"{name}\", parent: \"a\", child: \"b\", kind: {kind})")
+    };
+    let [ball, fixed] = [joint("ball", "Ball()"), joint("stiff", "Fixed()")];
+    let found = scene("Fixed", &ball);
+    assert!(
+        found[0].starts_with("joint \"ball\": it joins two Fixed bodies, \"a\" and \"b\""),
+        "{found:?}"
+    );
+    let found = scene("Dynamic", &format!("{ball}, {fixed}"));
+    assert!(
+        found[0].starts_with("joint \"stiff\": the joint \"ball\" joins the same two"),
+        "{found:?}"
+    );
+    assert_eq!(scene("Dynamic", &fixed), [""; 0]);
+    assert_eq!(scene("Dynamic", &format!("{ball}, {}", joint("rope", "Rope(length: 1)"))), [""; 0]);
+}
