@@ -61,6 +61,10 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         Some(name) => source.find("name", name),
         None => place,
     };
+    if name.is_empty() {
+        let problem = SceneProblem::Name { name, reason: "is empty" };
+        return Err(source.error(place, problem));
+    }
     if !assembly.robots.insert(name.clone()) {
         let what = format!(
             "two robots are called {name:?}: a robot without a `name` has that of its file. Give one another, as in (path: {:?}, name: \"second\")",

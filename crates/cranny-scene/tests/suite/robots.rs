@@ -351,6 +351,20 @@ fn links_without_geometry_are_carried() {
 }
 
 #[test]
+fn an_empty_name_of_a_robot_is_refused() {
+    let files = Files::new();
+    let text = "(robots: [(path: \"arm.urdf\", name: \"\")])";
+    std::fs::write(files.folder.path().join("arm.urdf"), arm()).unwrap();
+    let parsed =
+        parse_scene(text.to_owned(), &files.folder.path().join("s.ron"), &LoadOptions::default());
+    let error = parsed.unwrap_err().to_string();
+    assert!(
+        error.contains("line 1, column") && error.contains("the name \"\" is empty"),
+        "{error}"
+    );
+}
+
+#[test]
 fn wrong_positions_are_placed_in_the_scene() {
     let files = Files::new();
     for (robot, says) in [
