@@ -8,7 +8,7 @@ use cranny_world::description::{
 };
 use serde::Deserialize;
 
-use super::effect::EffectFile;
+use super::effect::{EffectFile, distinct};
 use super::primitive::PrimitiveFile;
 use super::tracker::TrackerFile;
 use super::values::{
@@ -49,7 +49,7 @@ pub(super) struct BodyFile {
     pub(super) sensor: bool,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
 }
 

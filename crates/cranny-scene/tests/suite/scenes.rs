@@ -856,3 +856,32 @@ fn joints_that_change_nothing_are_warned_of() {
     assert_eq!(scene("Dynamic", &fixed), [""; 0]);
     assert_eq!(scene("Dynamic", &format!("{ball}, {}", joint("rope", "Rope(length: 1)"))), [""; 0]);
 }
+
+#[test]
+fn effects_are_named_once_and_force_feedback_where_somebody_feels_it() {
+    let body = |name: &str, fields: &str| {
+        format!("(name: \"{name}\", shape: Generator(Cuboid()), {fields})")
+    };
+    let twice = body("a", "effects: [Trigger(), Contacts(), Trigger()]");
+    let error = parse(&format!("(bodies: [{twice}])")).unwrap_err().to_string();
+    assert!(error.contains("the effect Trigger is named twice"), "{error}");
+    const FELT: &str = "effects: [ForceFeedback(stiffness: 1)]";
+    let warnings = |own: &str, other: &str, scene: &str| {
+        parse(&format!("(bodies: [{}, {}], {scene})", body("a", own), body("b", other)))
+            .unwrap()
+            .warnings
+    };
+    let kinematic = "kind: Kinematic";
+    for (own, other, scene, owner) in [
+        (FELT, "", "", "body \"a\""),
+        (FELT, "kind: Kinematic, layers: [\"b\"]", "", "body \"a\""),
+        ("", "", FELT, "the scene"),
+        ("", "", &format!("pairs: [(a: \"a\", b: \"b\", {FELT})]"), "the pair \"a\" and \"b\""),
+    ] {
+        let found = warnings(own, other, scene);
+        let says = format!("{owner} names ForceFeedback, which only Kinematic bodies feel");
+        assert!(found[0].starts_with(&says), "{own} {other} {scene}: {found:?}");
+    }
+    assert_eq!(warnings(FELT, kinematic, ""), [""; 0]);
+    assert_eq!(warnings("", kinematic, FELT), [""; 0]);
+}
