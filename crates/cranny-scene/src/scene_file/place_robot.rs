@@ -86,11 +86,11 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     let targets = numbers(&file.targets);
     check_limits(&robot, "position", &positions).map_err(refuse)?;
     check_limits(&robot, "target", &targets).map_err(refuse)?;
+    check_motors(&robot, file, &targets).map_err(refuse)?;
     let position_error = |wrong| {
         let problem = SceneProblem::Position { robot: name.clone(), source: wrong };
         source.error(place.clone(), problem)
     };
-    check_motors(&robot, file, &targets).map_err(refuse)?;
     robot.all_positions(&targets).map_err(position_error)?;
     let driven = file.motors.keys().chain(file.paths.keys());
     let driven = driven.map(|joint| (joint.clone(), 0.0)).collect();
@@ -158,10 +158,6 @@ fn check_limits(robot: &Robot, what: &str, positions: &JointPositions) -> Result
     Ok(())
 }
 
-impl RobotFile {
-    /// What is to lead a joint.
-    fn drive(&self, joint: &str, target: Option<f64>) -> Drive<'_> {
-        Drive { motor: self.motors.get(joint), target, path: self.paths.get(joint) }
 /// Fails if a motor leads its joint outside its limits, or elsewhere than the joint's target.
 fn check_motors(robot: &Robot, file: &RobotFile, targets: &JointPositions) -> Result<(), String> {
     file.motors.keys().try_for_each(|name| {
@@ -171,6 +167,18 @@ fn check_motors(robot: &Robot, file: &RobotFile, targets: &JointPositions) -> Re
     })
 }
 
+impl RobotFile {
+    /// What is to lead a joint.
+    fn drive(&self, joint: &str, target: Option<f64>) -> Drive<'_> {
+        Drive { motor: self.motors.get(joint), target, path: self.paths.get(joint) }
+    }
+}
+
+/// How many pairs meet, as the beginning of a sentence.
+fn pairs_that_meet(count: usize) -> String {
+    match count {
+        1 => "1 pair of links meets".to_owned(),
+        _ => format!("{count} pairs of links meet"),
     }
 }
 
