@@ -92,6 +92,12 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     if let Some(path) = &args.record {
         check_output("--record", path, &["mcap"])?;
     }
+    if let Some(path) = args.frames.as_ref().filter(|path| path.is_file()) {
+        return Err(Failure::input(format!(
+            "--frames {}: it is a file. Name a folder for the pictures, which need not exist.",
+            path.display()
+        )));
+    }
     if let Some(path) = &args.preview {
         check_output("--preview", path, &["png", "apng"])?;
     }

@@ -81,3 +81,14 @@ fn check_and_run_name_what_overlaps_at_the_start() {
     let apart = run(&["run", &scene, "--verbose", "--set", "bodies.block.pose.at.x=1.5"]);
     assert!(!apart.stderr.contains("overlap"), "{apart:?}");
 }
+
+#[test]
+fn a_file_for_frames_and_too_many_threads_are_refused() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    let file = folder.write("frames", "");
+    run(&["run", &scene, "--frames", &file])
+        .assert_refused(2, &[&format!("--frames {file}: it is a file"), "Name a folder"]);
+    let threads = run(&["run", &scene, "--threads", "20000"]);
+    assert!(threads.code == Some(2) && threads.stderr.contains("at most "), "{threads:?}");
+}
