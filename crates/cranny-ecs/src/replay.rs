@@ -171,6 +171,16 @@ impl Replay {
     pub fn nearest(&self, time: f64) -> &ReplayFrame {
         let away = |frame: &ReplayFrame| (frame.time - time).abs();
         let nearest = self.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+    /// Whether contacts are recorded, so that a frame without them means that nothing was near. Of
+    /// recordings that name no effects, which are older, one contact is enough.
+    #[must_use]
+    pub fn has_contacts(&self) -> bool {
+        let metadata = self.recording.metadata(topic::METADATA);
+        let named = metadata.and_then(|entries| entries.get(topic::EFFECTS_KEY));
+        named.is_some_and(|named| named.split(", ").any(|name| name == "Contacts"))
+            || self.frames.iter().any(|frame| !frame.pairs.is_empty())
+    }
+
         nearest.unwrap_or(&self.frames[0])
     }
 
@@ -314,10 +324,8 @@ impl Replay {
         let metadata = self.recording.metadata(topic::METADATA);
         let entry = |key: &str| metadata.and_then(|entries| entries.get(key)).cloned();
         let name = entry("scene").filter(|name| !name.is_empty());
-        // Whether contacts were computed is all that pictures ask of them.
-        let named = entry(topic::EFFECTS_KEY).unwrap_or_default();
-        let makes_contacts = named.split(", ").any(|name| ["Contacts", "Response"].contains(&name));
-        let contacts = makes_contacts.then_some(Effect::Contacts { margin: 0.0 });
+        // Whether contacts are recorded is all that pictures ask of them.
+        let contacts = self.has_contacts().then_some(Effect::Contacts { margin: 0.0 });
         let stem = || self.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         SceneDescription {
             name: name.or_else(stem).unwrap_or_default(),

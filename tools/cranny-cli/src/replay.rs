@@ -153,6 +153,9 @@ fn draw(
     let mut painter =
         ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
     if let Some(name) = &args.pictures.camera {
+    if !replay.has_contacts() {
+        painter = painter.without_recorded_contacts();
+    }
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
     }
     if matches!(view, ScenePainterView::Motion | ScenePainterView::Heat) {

@@ -158,3 +158,32 @@ fn a_time_beyond_the_recording_is_refused() {
     run(&["replay", &path, "--at", "99"]).assert_refused(2, &[says]);
     assert_eq!(run(&["replay", &path, "--at", "1.0001"]).code, Some(0));
 }
+
+/// Two pictures are wider than three: where contacts are not recorded, none is magnified.
+#[test]
+fn a_page_without_recorded_contacts_has_no_blank_picture() {
+    let folder = Folder::new();
+    let bare = folder.write("bare.ron", DROP.replace(", Contacts(margin: 0.01)", ""));
+    let path = argument(&folder.path("bare.mcap"));
+    assert_eq!(run(&["run", &bare, "--record", &path]).code, Some(0));
+    let picture = argument(&folder.path("page.png"));
+    let outcome = run(&["replay", &path, "--at", "1", "--render", &picture]);
+    if outcome.stderr.contains("no graphics adapter") {
+        return;
+    }
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let decoder = png::Decoder::new(std::io::Cursor::new(std::fs::read(&picture).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let (width, height) = (info.width as usize, info.height as usize);
+    let bytes = pixels.len() / (width * height);
+    // The right fifth, where the blank picture was: from the title's foot to the legend.
+    let pixel = |x: usize, y: usize| &pixels[(y * width + x) * bytes..][..3];
+    let right = (width * 4 / 5..width * 19 / 20)
+        .flat_map(|x| (height / 5..height * 3 / 4).map(move |y| (x, y)));
+    let mut colors: Vec<&[u8]> = right.map(|(x, y)| pixel(x, y)).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    assert!(colors.len() > 1, "a blank picture");
+}
