@@ -148,7 +148,12 @@ impl Replay {
         });
         let frames: Vec<ReplayFrame> = frames.collect();
         if frames.is_empty() || bodies.is_empty() {
-            let why = "holds no whole frame: it was cut off before the first was written out";
+            let why = match bodies.is_empty() && recording.is_complete() {
+                true => {
+                    "is whole, and its scene has no bodies: there is nothing to compute or draw"
+                }
+                false => "holds no whole frame: it was cut off before the first was written out",
+            };
             return Err(ReplayError::Empty { path, why: why.to_owned() });
         }
         Ok(Self { recording, path, bodies, frames })
@@ -166,11 +171,6 @@ impl Replay {
         &self.frames
     }
 
-    /// The frame nearest to a time in seconds.
-    #[must_use]
-    pub fn nearest(&self, time: f64) -> &ReplayFrame {
-        let away = |frame: &ReplayFrame| (frame.time - time).abs();
-        let nearest = self.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
     /// Whether contacts are recorded, so that a frame without them means that nothing was near. Of
     /// recordings that name no effects, which are older, one contact is enough.
     #[must_use]
@@ -181,6 +181,11 @@ impl Replay {
             || self.frames.iter().any(|frame| !frame.pairs.is_empty())
     }
 
+    /// The frame nearest to a time in seconds.
+    #[must_use]
+    pub fn nearest(&self, time: f64) -> &ReplayFrame {
+        let away = |frame: &ReplayFrame| (frame.time - time).abs();
+        let nearest = self.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         nearest.unwrap_or(&self.frames[0])
     }
 

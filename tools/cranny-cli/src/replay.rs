@@ -12,7 +12,7 @@ use serde_json::json;
 use crate::args::{Format, ReplayArgs, ViewArg};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::check_output;
+use crate::paths::{check_output, check_recording};
 use crate::rerun;
 use crate::words::counted;
 
@@ -28,6 +28,7 @@ const PICTURE_SIZE: [u32; 2] = [1280, 720];
 ///
 /// A recording that cannot be read, a picture that cannot be drawn or written, a pair that differs.
 pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Failure> {
+    check_recording(&args.recording)?;
     if args.rerun.is_some() || args.rerun_connect.is_some() {
         return rerun::replay(args, format);
     }

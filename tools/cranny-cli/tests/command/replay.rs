@@ -187,3 +187,17 @@ fn a_page_without_recorded_contacts_has_no_blank_picture() {
     colors.dedup();
     assert!(colors.len() > 1, "a blank picture");
 }
+
+#[test]
+fn a_scene_is_no_recording_and_one_without_bodies_is_not_called_damaged() {
+    let folder = Folder::new();
+    let (page, path) = (argument(&folder.path("a.html")), argument(&folder.path("empty.mcap")));
+    let scene = folder.write("empty.ron", "(duration: 0.1, step: 0.01)");
+    for command in [&["replay", &scene][..], &["report", &scene, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.ron", "is no recording", "cranny run"]);
+    }
+    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
+    for command in [&["replay", &path][..], &["report", &path, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.mcap", "its scene has no bodies"]);
+    }
+}
