@@ -14,7 +14,7 @@ use cranny_rapier::Detector;
 use cranny_world::description::SceneDescription;
 use serde::Serialize;
 
-use crate::args::{DetectorArg, Format, RunArgs};
+use crate::args::{DetectorArg, Format, RunArgs, StepBudget};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps::{self, StartOverlap};
@@ -103,7 +103,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     }
     // Before anything is written that a Ctrl-C would have to finish.
     let stop = stop_flag();
-    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
+    let mut app =
+        SceneApp::new(&scene.description, &options).map_err(|error| of_flags(args, error))?;
     let dt = options.step.unwrap_or(scene.description.step);
     let progress = RunProgress::new(app.steps_total(), dt);
     let mut steps_left = app.steps_total() > 0;
@@ -179,6 +180,23 @@ pub(crate) fn detector(argument: DetectorArg) -> Detector {
         DetectorArg::RapierHulls => Detector::RapierHulls,
         DetectorArg::RapierTree => Detector::RapierTree,
     }
+}
+
+/// A level or a budget that changes nothing is that of a flag, where one is given.
+fn of_flags(args: &RunArgs, mut error: SceneAppError) -> Failure {
+    if let SceneAppError::NotAtLevel { what, .. } | SceneAppError::NoLevels { what } = &mut error {
+        let is_of_pair = what.contains(" of ");
+        match (args.effort.accuracy, args.effort.budget) {
+            (Some(level), _) if what.starts_with("`accuracy: ") && !is_of_pair => {
+                *what = format!("`--accuracy {level}`");
+            }
+            (_, Some(StepBudget(Some(tests)))) if what.starts_with("`budget: ") => {
+                *what = format!("`--budget {tests}`");
+            }
+            _ => {}
+        }
+    }
+    failure(error)
 }
 
 /// Input that cannot be simulated is the caller's to mend; the rest is a failed run.

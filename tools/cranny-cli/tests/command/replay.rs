@@ -127,36 +127,30 @@ fn wrong_input_is_refused() {
     assert_eq!(run(&["replay", &path, "--size", "0x5"]).code, Some(2));
     let undrawn = run(&["replay", &path, "--camera", "front"]);
     undrawn.assert_refused(2, &["--camera front", "Add --render"]);
-}
-
-/// A preset that a camera shares its name with is listed once.
-#[test]
-fn a_recording_keeps_the_scenes_cameras() {
-    let folder = Folder::new();
-    let cameras = "cameras: [(name: \"front\", preset: Front), \
-        (name: \"near\", look_at: (eye: (3, -3, 2), target: (0, 0, 1)))], effects: [";
-    let scene = folder.write("seen.ron", DROP.replace("effects: [", cameras));
-    let recording = argument(&folder.path("seen.mcap"));
-    assert_eq!(run(&["run", &scene, "--record", &recording]).code, Some(0));
-    let picture = argument(&folder.path("near.png"));
-    let drawn = |camera: &str| {
-        run(&["replay", &recording, "--at", "0.5", "--render", &picture, "--camera", camera])
-    };
-    let outcome = drawn("near");
-    if outcome.stderr.contains("no graphics adapter") {
-        return;
+    for (option, says) in [
+        ("--at", "a number of seconds of at least 0"),
+        ("--from", "a number of seconds of at least 0"),
+        ("--to", "a number of seconds of at least 0"),
+        ("--every", "a whole number from 1 to 4294967295"),
+    ] {
+        let refused = run(&["replay", &path, option, "-1"]);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains(says) && !refused.stderr.contains("tip"), "{refused:?}");
     }
-    assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    drawn("far").assert_refused(2, &["Choose one of front, near, isometric, side, top"]);
 }
 
 #[test]
-fn a_time_beyond_the_recording_is_refused() {
+fn a_scene_is_no_recording_and_one_without_bodies_is_not_called_damaged() {
     let folder = Folder::new();
-    let path = recorded(&folder);
-    let says = "--at 99: the recording runs from 0 to 1 s";
-    run(&["replay", &path, "--at", "99"]).assert_refused(2, &[says]);
-    assert_eq!(run(&["replay", &path, "--at", "1.0001"]).code, Some(0));
+    let (page, path) = (argument(&folder.path("a.html")), argument(&folder.path("empty.mcap")));
+    let scene = folder.write("empty.ron", "(duration: 0.1, step: 0.01)");
+    for command in [&["replay", &scene][..], &["report", &scene, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.ron", "is no recording", "cranny run"]);
+    }
+    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
+    for command in [&["replay", &path][..], &["report", &path, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.mcap", "its scene has no bodies"]);
+    }
 }
 
 /// Two pictures are wider than three: where contacts are not recorded, none is magnified.
@@ -188,16 +182,32 @@ fn a_page_without_recorded_contacts_has_no_blank_picture() {
     assert!(colors.len() > 1, "a blank picture");
 }
 
+/// A preset that a camera shares its name with is listed once.
 #[test]
-fn a_scene_is_no_recording_and_one_without_bodies_is_not_called_damaged() {
+fn a_recording_keeps_the_scenes_cameras() {
     let folder = Folder::new();
-    let (page, path) = (argument(&folder.path("a.html")), argument(&folder.path("empty.mcap")));
-    let scene = folder.write("empty.ron", "(duration: 0.1, step: 0.01)");
-    for command in [&["replay", &scene][..], &["report", &scene, "--out", &page]] {
-        run(command).assert_refused(2, &["empty.ron", "is no recording", "cranny run"]);
+    let cameras = "cameras: [(name: \"front\", preset: Front), \
+        (name: \"near\", look_at: (eye: (3, -3, 2), target: (0, 0, 1)))], effects: [";
+    let scene = folder.write("seen.ron", DROP.replace("effects: [", cameras));
+    let recording = argument(&folder.path("seen.mcap"));
+    assert_eq!(run(&["run", &scene, "--record", &recording]).code, Some(0));
+    let picture = argument(&folder.path("near.png"));
+    let drawn = |camera: &str| {
+        run(&["replay", &recording, "--at", "0.5", "--render", &picture, "--camera", camera])
+    };
+    let outcome = drawn("near");
+    if outcome.stderr.contains("no graphics adapter") {
+        return;
     }
-    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
-    for command in [&["replay", &path][..], &["report", &path, "--out", &page]] {
-        run(command).assert_refused(2, &["empty.mcap", "its scene has no bodies"]);
-    }
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    drawn("far").assert_refused(2, &["Choose one of front, near, isometric, side, top"]);
+}
+
+#[test]
+fn a_time_beyond_the_recording_is_refused() {
+    let folder = Folder::new();
+    let path = recorded(&folder);
+    let says = "--at 99: the recording runs from 0 to 1 s";
+    run(&["replay", &path, "--at", "99"]).assert_refused(2, &[says]);
+    assert_eq!(run(&["replay", &path, "--at", "1.0001"]).code, Some(0));
 }

@@ -82,6 +82,19 @@ fn check_and_run_name_what_overlaps_at_the_start() {
     assert!(!apart.stderr.contains("overlap"), "{apart:?}");
 }
 
+/// The scene has no such field: the flag is what is to be left out.
+#[test]
+fn levels_and_budgets_of_flags_are_refused_by_the_flags_names() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    for (flag, value) in [("--accuracy", "caps"), ("--accuracy", "tree:3"), ("--budget", "5")] {
+        let named = format!("`{flag} {value}` changes nothing");
+        run(&["run", &scene, flag, value]).assert_refused(2, &[&named]);
+    }
+    let own = folder.write("own.ron", SCENE.replace("duration:", "budget: 5, duration:"));
+    run(&["run", &own]).assert_refused(2, &["`budget: 5` changes nothing"]);
+}
+
 #[test]
 fn a_file_for_frames_and_too_many_threads_are_refused() {
     let folder = Folder::new();
