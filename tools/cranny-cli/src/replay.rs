@@ -153,10 +153,10 @@ fn draw(
     let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
     let mut painter =
         ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
-    if let Some(name) = &args.pictures.camera {
     if !replay.has_contacts() {
         painter = painter.without_recorded_contacts();
     }
+    if let Some(name) = &args.pictures.camera {
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
     }
     if matches!(view, ScenePainterView::Motion | ScenePainterView::Heat) {
@@ -207,8 +207,11 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     }
     if replay.recording().damaged_chunks() > 0 {
         lines.push(format!(
-            "damaged    {} chunks do not match their sums, and were not read",
-            replay.recording().damaged_chunks()
+            "damaged    {} not read: sums do not match",
+            match replay.recording().damaged_chunks() {
+                1 => "1 chunk was".to_owned(),
+                chunks => format!("{chunks} chunks were"),
+            }
         ));
     }
     lines.push(match report.same + report.different.len() as u64 {

@@ -232,8 +232,10 @@ fn text(summary: &RunSummary) -> String {
     lines.add(
         "simulated",
         format!(
-            "{:.3} s in {} steps of {:.6} s{ending}",
-            summary.simulated_s, summary.steps, summary.dt
+            "{:.3} s in {} of {:.6} s{ending}",
+            summary.simulated_s,
+            counted(summary.steps, "step"),
+            summary.dt
         ),
     );
     lines.add(
@@ -313,8 +315,9 @@ fn text(summary: &RunSummary) -> String {
         let gave_way = |joint: &&JointSummary| joint.strained > 0 && joint.off > OFF;
         for joint in summary.joints.iter().filter(gave_way).take(LISTED) {
             let value = format!(
-                "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
-                joint.joint, joint.strained
+                "the motor of {} was at its greatest effort in {}: it cannot hold more (`motors` gives it a larger max_effort)",
+                joint.joint,
+                counted(joint.strained, "step")
             );
             lines.add("joints", value);
         }
@@ -343,7 +346,7 @@ fn text(summary: &RunSummary) -> String {
         let kept = links.at_start - links.parted.len();
         let first = links.parted.iter().min_by_key(|parted| parted.step);
         let torn = first.map_or(String::new(), |p| {
-            format!("; first parted: {} and {}, after {} steps", p.a, p.b, p.step)
+            format!("; first parted: {} and {}, after {}", p.a, p.b, counted(p.step, "step"))
         });
         lines.add("links", format!("{kept} of {} kept{torn}", links.at_start));
     }
