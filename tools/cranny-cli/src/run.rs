@@ -14,7 +14,7 @@ use cranny_rapier::Detector;
 use cranny_world::description::SceneDescription;
 use serde::Serialize;
 
-use crate::args::{DetectorArg, Format, RunArgs, StepBudget};
+use crate::args::{DetectorArg, EffortArgs, Format, RunArgs, StepBudget};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps::{self, StartOverlap};
@@ -93,7 +93,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         check_output("--record", path, &["mcap"])?;
     }
     if let Some(path) = args.frames.as_ref().filter(|path| path.is_file()) {
-        return Err(Failure::input(format!(
+        return Err(Failure::run(format!(
             "--frames {}: it is a file. Name a folder for the pictures, which need not exist.",
             path.display()
         )));
@@ -103,8 +103,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     }
     // Before anything is written that a Ctrl-C would have to finish.
     let stop = stop_flag();
-    let mut app =
-        SceneApp::new(&scene.description, &options).map_err(|error| of_flags(args, error))?;
+    let mut app = SceneApp::new(&scene.description, &options)
+        .map_err(|error| of_flags(&args.effort, error))?;
     let dt = options.step.unwrap_or(scene.description.step);
     let progress = RunProgress::new(app.steps_total(), dt);
     let mut steps_left = app.steps_total() > 0;
@@ -183,10 +183,10 @@ pub(crate) fn detector(argument: DetectorArg) -> Detector {
 }
 
 /// A level or a budget that changes nothing is that of a flag, where one is given.
-fn of_flags(args: &RunArgs, mut error: SceneAppError) -> Failure {
+pub(crate) fn of_flags(effort: &EffortArgs, mut error: SceneAppError) -> Failure {
     if let SceneAppError::NotAtLevel { what, .. } | SceneAppError::NoLevels { what } = &mut error {
         let is_of_pair = what.contains(" of ");
-        match (args.effort.accuracy, args.effort.budget) {
+        match (effort.accuracy, effort.budget) {
             (Some(level), _) if what.starts_with("`accuracy: ") && !is_of_pair => {
                 *what = format!("`--accuracy {level}`");
             }

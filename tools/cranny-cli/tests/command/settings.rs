@@ -101,7 +101,7 @@ fn a_file_for_frames_and_too_many_threads_are_refused() {
     let scene = folder.write("s.ron", SCENE);
     let file = folder.write("frames", "");
     run(&["run", &scene, "--frames", &file])
-        .assert_refused(2, &[&format!("--frames {file}: it is a file"), "Name a folder"]);
+        .assert_refused(1, &[&format!("--frames {file}: it is a file"), "Name a folder"]);
     let threads = run(&["run", &scene, "--threads", "20000"]);
     assert!(threads.code == Some(2) && threads.stderr.contains("at most "), "{threads:?}");
 }
