@@ -332,7 +332,9 @@ fn what_is_skipped(
         skip(format!("motion of {dynamic} dynamic bodies"), "the scene asks for no Response");
     }
     if !responds && !scene.joints.is_empty() {
-        skip(format!("{} joints", scene.joints.len()), "the scene asks for no Response");
+        let joints = scene.joints.len();
+        let plural = if joints == 1 { "" } else { "s" };
+        skip(format!("{joints} joint{plural}"), "the scene asks for no Response");
     }
     #[cfg(feature = "rapier")]
     if !responds && options.plugins.detector != cranny_rapier::Detector::Cranny {

@@ -101,8 +101,8 @@ pub struct ScenePainter {
     cameras: Vec<NamedCamera>,
     ground: Ground,
     quality: PictureQuality,
-    /// Whether an effect of the scene makes contacts that can be drawn.
-    has_contacts: bool,
+    /// Why moments hold no contacts that can be drawn, if so.
+    without_contacts: Option<&'static str>,
     /// Stationary bodies that have hidden moving ones: they stay faded, so that nothing flickers.
     faded: BTreeSet<BodyId>,
     /// What the last close-up showed.
@@ -118,7 +118,20 @@ fn makes_contacts(effect: &Effect) -> bool {
     matches!(effect, Effect::Contacts { .. } | Effect::Response)
 }
 
+/// Why a picture of bodies that touch shows no contact.
+const UNCOMPUTED: &str = "contacts are not computed: no effect needs them";
+
+/// The same of a recording.
+const UNRECORDED: &str = "contacts are not recorded";
+
 impl ScenePainter {
+    /// Draws moments of a recording without contacts: pictures say so, instead of that nothing is
+    /// near.
+    #[must_use]
+    pub fn without_recorded_contacts(self) -> Self {
+        Self { without_contacts: Some(UNRECORDED), ..self }
+    }
+
     /// Prepares meshes, and cameras for pictures of `size`.
     ///
     /// # Errors
@@ -137,7 +150,7 @@ impl ScenePainter {
             cameras: cameras::of_scene(scene, &room, size)?,
             ground: cameras::ground(scene, &instances),
             quality,
-            has_contacts: scene.all_effects().any(makes_contacts),
+            without_contacts: (!scene.all_effects().any(makes_contacts)).then_some(UNCOMPUTED),
             faded: BTreeSet::new(),
             focus: None,
             trails: Trails::default(),

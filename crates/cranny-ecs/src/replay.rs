@@ -148,7 +148,12 @@ impl Replay {
         });
         let frames: Vec<ReplayFrame> = frames.collect();
         if frames.is_empty() || bodies.is_empty() {
-            let why = "holds no whole frame: it was cut off before the first was written out";
+            let why = match bodies.is_empty() && recording.is_complete() {
+                true => {
+                    "is whole, and its scene has no bodies: there is nothing to compute or draw"
+                }
+                false => "holds no whole frame: it was cut off before the first was written out",
+            };
             return Err(ReplayError::Empty { path, why: why.to_owned() });
         }
         Ok(Self { recording, path, bodies, frames })
@@ -164,6 +169,16 @@ impl Replay {
     #[must_use]
     pub fn frames(&self) -> &[ReplayFrame] {
         &self.frames
+    }
+
+    /// Whether contacts are recorded, so that a frame without them means that nothing was near. Of
+    /// recordings that name no effects, which are older, one contact is enough.
+    #[must_use]
+    pub fn has_contacts(&self) -> bool {
+        let metadata = self.recording.metadata(topic::METADATA);
+        let named = metadata.and_then(|entries| entries.get(topic::EFFECTS_KEY));
+        named.is_some_and(|named| named.split(", ").any(|name| name == "Contacts"))
+            || self.frames.iter().any(|frame| !frame.pairs.is_empty())
     }
 
     /// The frame nearest to a time in seconds.
@@ -314,10 +329,8 @@ impl Replay {
         let metadata = self.recording.metadata(topic::METADATA);
         let entry = |key: &str| metadata.and_then(|entries| entries.get(key)).cloned();
         let name = entry("scene").filter(|name| !name.is_empty());
-        // Whether contacts were computed is all that pictures ask of them.
-        let named = entry(topic::EFFECTS_KEY).unwrap_or_default();
-        let makes_contacts = named.split(", ").any(|name| ["Contacts", "Response"].contains(&name));
-        let contacts = makes_contacts.then_some(Effect::Contacts { margin: 0.0 });
+        // Whether contacts are recorded is all that pictures ask of them.
+        let contacts = self.has_contacts().then_some(Effect::Contacts { margin: 0.0 });
         let stem = || self.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         SceneDescription {
             name: name.or_else(stem).unwrap_or_default(),

@@ -323,9 +323,10 @@ impl RigidBodies {
     pub(crate) fn note_joints(&mut self) {
         for (&entity, (joint, index)) in &self.joints {
             let held = joint.motor.and_then(|motor| motor.position);
-            let Some((held, at)) = held.zip(self.simulation.joint_position(*index)) else {
-                continue;
-            };
+            // A motor between two bodies counts no turns, so none are held against it.
+            let found = held
+                .and_then(|held| Some((held, self.simulation.joint_position_near(*index, held)?)));
+            let Some((held, at)) = found else { continue };
             let known = self.held.entry(entity).or_default();
             known.position = held;
             known.off = (at - held).abs();

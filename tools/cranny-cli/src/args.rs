@@ -22,8 +22,8 @@ pub(crate) use replay::{ReplayArgs, ViewArg};
 pub(crate) use report::ReportArgs;
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
-    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, InsteadArgs, RecyclingArg, RunArgs, SetArgs,
-    SubstepsArg,
+    CheckArgs, CompareArgs, DetectorArg, EffortArgs, ExplainArgs, InsteadArgs, RecyclingArg,
+    RunArgs, SetArgs, SubstepsArg,
 };
 use show::show;
 pub(crate) use show::{Show, Up};

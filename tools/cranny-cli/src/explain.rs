@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::args::{ExplainArgs, Format};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::run::failure;
+use crate::run::of_flags;
 use crate::scene_file::load;
 use crate::words::counted;
 
@@ -37,7 +37,8 @@ pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), 
         budget: args.effort.budget.map(|budget| budget.0),
         ..RunOptions::default()
     };
-    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
+    let mut app = SceneApp::new(&scene.description, &options)
+        .map_err(|error| of_flags(&args.effort, error))?;
     let plan = app.plan().map_err(Failure::run)?;
     let (name, bodies) = (&*scene.description.name, scene.description.bodies.len());
     let mut output = Output::new();

@@ -28,6 +28,23 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// A recording that is to be read.
+///
+/// # Errors
+///
+/// As [`check_input`], and for a scene file.
+pub(crate) fn check_recording(path: &Path) -> Result<(), Failure> {
+    check_input("recording", path)?;
+    let is_scene = path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("ron"));
+    match is_scene {
+        false => Ok(()),
+        true => Err(Failure::input(format!(
+            "{0}: a scene file is no recording. Record a run of it with 'cranny run {0} --record run.mcap', and name run.mcap.",
+            path.display()
+        ))),
+    }
+}
+
 /// The text of a file that is to be read. `what` says what it is: "pose file".
 ///
 /// # Errors

@@ -87,8 +87,11 @@ fn as_text(found: &Recovered, recording: &Path) -> String {
     }
     if found.damaged_chunks > 0 {
         lines.push(format!(
-            "damaged    {} chunks or other records do not match their sums, and were left out",
-            found.damaged_chunks
+            "damaged    {} left out, since sums do not match",
+            match found.damaged_chunks {
+                1 => "1 chunk or other record is".to_owned(),
+                chunks => format!("{chunks} chunks or other records are"),
+            }
         ));
     }
     if found.left_out > 0 {

@@ -12,7 +12,7 @@ use serde_json::json;
 use crate::args::{Format, ReplayArgs, ViewArg};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::check_output;
+use crate::paths::{check_output, check_recording};
 use crate::rerun;
 use crate::words::counted;
 
@@ -28,6 +28,7 @@ const PICTURE_SIZE: [u32; 2] = [1280, 720];
 ///
 /// A recording that cannot be read, a picture that cannot be drawn or written, a pair that differs.
 pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Failure> {
+    check_recording(&args.recording)?;
     if args.rerun.is_some() || args.rerun_connect.is_some() {
         return rerun::replay(args, format);
     }
@@ -152,6 +153,9 @@ fn draw(
     let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
     let mut painter =
         ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
+    if !replay.has_contacts() {
+        painter = painter.without_recorded_contacts();
+    }
     if let Some(name) = &args.pictures.camera {
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
     }
@@ -203,8 +207,11 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     }
     if replay.recording().damaged_chunks() > 0 {
         lines.push(format!(
-            "damaged    {} chunks do not match their sums, and were not read",
-            replay.recording().damaged_chunks()
+            "damaged    {} not read: sums do not match",
+            match replay.recording().damaged_chunks() {
+                1 => "1 chunk was".to_owned(),
+                chunks => format!("{chunks} chunks were"),
+            }
         ));
     }
     lines.push(match report.same + report.different.len() as u64 {

@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::args::{Format, ReportArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::{check_input, check_output, write};
+use crate::paths::{check_output, check_recording, write};
 use crate::progress;
 use facts::Facts;
 use page::RunPage;
@@ -25,7 +25,7 @@ use pictures::Artist;
 ///
 /// A recording that cannot be read; pictures that cannot be drawn; a page that cannot be written.
 pub(crate) fn report(args: &ReportArgs, format: Option<Format>) -> Result<(), Failure> {
-    check_input("recording", &args.recording)?;
+    check_recording(&args.recording)?;
     check_output("--out", &args.out, &["html", "htm"])?;
     let waiting = progress::spinner("reading");
     let replay = Replay::open(&args.recording).map_err(Failure::input)?;

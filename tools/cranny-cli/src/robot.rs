@@ -10,9 +10,9 @@ use std::time::Instant;
 
 use cranny_ecs::check_outputs;
 use cranny_primitives::BodyShape;
-use cranny_scene::robot::{Semantics, read_robot, read_semantics};
+use cranny_scene::robot::{RobotJoint, Semantics, read_robot, read_semantics};
 use cranny_scene::{Robot, RobotError};
-use cranny_world::description::JointPositions;
+use cranny_world::description::{JointKind, JointPositions};
 use cranny_world::{Arranged, Arrangement, Wanted};
 use serde::Serialize;
 
@@ -24,6 +24,9 @@ use crate::picture::{Trouble, draw};
 use crate::progress;
 use configuration_file::{named, read_configurations};
 use description::Description;
+
+/// Pairs that a warning lists.
+const LISTED: usize = 8;
 
 /// What is found at a configuration.
 #[derive(Debug, Serialize)]
@@ -54,7 +57,7 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
     let semantics = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
     let mut robot = read_robot(&args.urdf).map_err(|error| refused(&error))?;
     let drawn = robot.collide_as_drawn();
-    let warnings = warnings(args, &robot, &semantics, drawn)?;
+    let mut warnings = warnings(args, &robot, &semantics, drawn)?;
     let pairs = checked_pairs(args, &robot, &semantics)?;
     let shapes = robot
         .link_shapes()
@@ -65,6 +68,7 @@ pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Fail
             model.clusters();
         });
     }
+    warnings.extend(always_meeting(args, &robot, &shapes, &pairs)?);
     let mut checked = Arrangement::new(shapes, pairs);
     let Some(configurations) = configurations else {
         let mut description = Description::of(&args.urdf, &robot, &checked);
@@ -246,6 +250,50 @@ fn warnings(
         warnings.extend(semantics.misfits(robot).map_err(|problem| wrong_srdf(file, &problem))?);
     }
     Ok(warnings)
+}
+
+/// That links meet which fixed joints hold together: they do so at every configuration.
+fn always_meeting(
+    args: &RobotArgs,
+    robot: &Robot,
+    shapes: &[Option<BodyShape>],
+    pairs: &[(usize, usize)],
+) -> Result<Option<String>, Failure> {
+    let above = |link: usize| {
+        let is_above = |joint: &&RobotJoint| joint.child == link && joint.kind == JointKind::Fixed;
+        robot.joints.iter().find(is_above).map(|joint| joint.parent)
+    };
+    let top = |link: usize| std::iter::successors(Some(link), |&link| above(link)).last();
+    let tops: Vec<Option<usize>> = (0..robot.links.len()).map(top).collect();
+    let rigid: Vec<_> = pairs.iter().copied().filter(|&(a, b)| tops[a] == tops[b]).collect();
+    if rigid.is_empty() {
+        return Ok(None);
+    }
+    let wrong =
+        |what: &dyn Display| Failure::input(format!("robot file {}: {what}", args.urdf.display()));
+    let poses = robot.forward_kinematics(&JointPositions::new()).map_err(|error| wrong(&error))?;
+    let found = Arrangement::new(shapes.to_vec(), rigid).at(&poses, Wanted::Meeting);
+    let meeting = found.map_err(|error| wrong(&error))?.meeting;
+    let names =
+        |&(a, b): &(usize, usize)| format!("{} - {}", robot.links[a].name, robot.links[b].name);
+    let mut listed: Vec<String> = meeting.iter().take(LISTED).map(names).collect();
+    if meeting.len() > LISTED {
+        listed.push(format!("{} more", meeting.len() - LISTED));
+    }
+    let count = match meeting.len() {
+        0 => return Ok(None),
+        1 => "1 pair of links meets".to_owned(),
+        count => format!("{count} pairs of links meet"),
+    };
+    let advice = if args.srdf.is_some() {
+        "Disable them in the SRDF file"
+    } else {
+        "Name an SRDF file that disables them (--srdf)"
+    };
+    Ok(Some(format!(
+        "{count} at every configuration, since fixed joints hold them together: {}. {advice}",
+        listed.join(", ")
+    )))
 }
 
 fn wrong_srdf(file: &Path, problem: &str) -> Failure {

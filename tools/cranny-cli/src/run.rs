@@ -14,7 +14,7 @@ use cranny_rapier::Detector;
 use cranny_world::description::SceneDescription;
 use serde::Serialize;
 
-use crate::args::{DetectorArg, Format, RunArgs};
+use crate::args::{DetectorArg, EffortArgs, Format, RunArgs, StepBudget};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps::{self, StartOverlap};
@@ -92,12 +92,19 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     if let Some(path) = &args.record {
         check_output("--record", path, &["mcap"])?;
     }
+    if let Some(path) = args.frames.as_ref().filter(|path| path.is_file()) {
+        return Err(Failure::run(format!(
+            "--frames {}: it is a file. Name a folder for the pictures, which need not exist.",
+            path.display()
+        )));
+    }
     if let Some(path) = &args.preview {
         check_output("--preview", path, &["png", "apng"])?;
     }
     // Before anything is written that a Ctrl-C would have to finish.
     let stop = stop_flag();
-    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
+    let mut app = SceneApp::new(&scene.description, &options)
+        .map_err(|error| of_flags(&args.effort, error))?;
     let dt = options.step.unwrap_or(scene.description.step);
     let progress = RunProgress::new(app.steps_total(), dt);
     let mut steps_left = app.steps_total() > 0;
@@ -175,6 +182,23 @@ pub(crate) fn detector(argument: DetectorArg) -> Detector {
     }
 }
 
+/// A level or a budget that changes nothing is that of a flag, where one is given.
+pub(crate) fn of_flags(effort: &EffortArgs, mut error: SceneAppError) -> Failure {
+    if let SceneAppError::NotAtLevel { what, .. } | SceneAppError::NoLevels { what } = &mut error {
+        let is_of_pair = what.contains(" of ");
+        match (effort.accuracy, effort.budget) {
+            (Some(level), _) if what.starts_with("`accuracy: ") && !is_of_pair => {
+                *what = format!("`--accuracy {level}`");
+            }
+            (_, Some(StepBudget(Some(tests)))) if what.starts_with("`budget: ") => {
+                *what = format!("`--budget {tests}`");
+            }
+            _ => {}
+        }
+    }
+    failure(error)
+}
+
 /// Input that cannot be simulated is the caller's to mend; the rest is a failed run.
 pub(crate) fn failure(error: SceneAppError) -> Failure {
     match error {
@@ -208,8 +232,10 @@ fn text(summary: &RunSummary) -> String {
     lines.add(
         "simulated",
         format!(
-            "{:.3} s in {} steps of {:.6} s{ending}",
-            summary.simulated_s, summary.steps, summary.dt
+            "{:.3} s in {} of {:.6} s{ending}",
+            summary.simulated_s,
+            counted(summary.steps, "step"),
+            summary.dt
         ),
     );
     lines.add(
@@ -289,8 +315,9 @@ fn text(summary: &RunSummary) -> String {
         let gave_way = |joint: &&JointSummary| joint.strained > 0 && joint.off > OFF;
         for joint in summary.joints.iter().filter(gave_way).take(LISTED) {
             let value = format!(
-                "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
-                joint.joint, joint.strained
+                "the motor of {} was at its greatest effort in {}: it cannot hold more (`motors` gives it a larger max_effort)",
+                joint.joint,
+                counted(joint.strained, "step")
             );
             lines.add("joints", value);
         }
@@ -319,7 +346,7 @@ fn text(summary: &RunSummary) -> String {
         let kept = links.at_start - links.parted.len();
         let first = links.parted.iter().min_by_key(|parted| parted.step);
         let torn = first.map_or(String::new(), |p| {
-            format!("; first parted: {} and {}, after {} steps", p.a, p.b, p.step)
+            format!("; first parted: {} and {}, after {}", p.a, p.b, counted(p.step, "step"))
         });
         lines.add("links", format!("{kept} of {} kept{torn}", links.at_start));
     }

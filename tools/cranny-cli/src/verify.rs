@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -27,6 +27,7 @@ pub(crate) fn verify(args: &VerifyArgs, format: Option<Format>) -> Result<(), Fa
     let mut output = Output::new();
     let (mut held, mut refused) = (0u64, 0u64);
     for file in &args.certificates {
+        refuse_other_files(file)?;
         for (number, line) in (1u64..).zip(lines(file)?) {
             let line = line.map_err(|error| cannot_read(file, &error))?;
             if line.trim().is_empty() {
@@ -41,6 +42,32 @@ pub(crate) fn verify(args: &VerifyArgs, format: Option<Format>) -> Result<(), Fa
         }
     }
     conclude(&mut output, format, held, refused)
+}
+
+/// Bytes of a file in which a line of a certificate begins.
+const BEGINNING: u64 = 4096;
+
+/// Fails if a file is none of certificates: each line of theirs is a JSON object with a pose.
+fn refuse_other_files(file: &Path) -> Result<(), Failure> {
+    // Pipes are read once, and a file that is missing is reported by who reads it.
+    if !file.is_file() {
+        return Ok(());
+    }
+    let mut beginning = Vec::new();
+    let read = File::open(file).and_then(|open| open.take(BEGINNING).read_to_end(&mut beginning));
+    if read.is_err() {
+        return Ok(());
+    }
+    // One flipped bit makes no other file of it.
+    let text = String::from_utf8_lossy(&beginning);
+    let text = text.trim_start();
+    match text.is_empty() || text.starts_with('{') || text.contains("\"pose\"") {
+        true => Ok(()),
+        false => Err(Failure::input(format!(
+            "certificate file {}: there are no certificates in this file. Name one with lines of 'cranny query --certificate'.",
+            file.display()
+        ))),
+    }
 }
 
 fn conclude(

@@ -332,8 +332,8 @@ fn levels_and_budgets_that_mean_nothing_are_refused() {
         refused(["--budget", none], &["--budget", none, "whole number", "unlimited"]);
     }
     // The scene has contacts and a solver.
-    refused(["--accuracy", "hulls"], &["`accuracy: Hulls`", "Response needs exact contacts"]);
-    refused(["--budget", "100"], &["`budget: 100`", "Response needs exact contacts"]);
+    refused(["--accuracy", "hulls"], &["`--accuracy hulls`", "Response needs exact contacts"]);
+    refused(["--budget", "100"], &["`--budget 100`", "Response needs exact contacts"]);
     assert_eq!(run_json(&scene, &["--accuracy", "exact", "--budget", "unlimited"])["steps"], 32);
     for none in ["0", "two"] {
         let refused = cranny(&["run", &scene, "--threads", none]);

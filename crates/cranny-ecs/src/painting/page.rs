@@ -65,7 +65,8 @@ impl ScenePainter {
         let image = self.render(renderer, &list, &camera, sizes[0]);
         let image = image.map_err(|error| failed(error.to_string()))?;
         panels.push(Panel { image, title: String::new(), scale: Some(scale(&camera, sizes[0])) });
-        let close_ups = self.close_ups(&moment, focus.as_ref(), [sizes[1], sizes[2]]);
+        let beside = self.beside(sizes);
+        let close_ups = self.close_ups(&moment, focus.as_ref(), &beside);
         for (list, camera, size, title) in close_ups.map_err(failed)? {
             let image = self.render(renderer, &list, &camera, size);
             let image = image.map_err(|error| failed(error.to_string()))?;
@@ -81,7 +82,7 @@ impl ScenePainter {
             &moment,
             nearest.as_ref(),
             focus.as_ref(),
-            self.has_contacts,
+            self.without_contacts,
         )];
         self.focus = focus;
         let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
@@ -102,7 +103,7 @@ impl ScenePainter {
             looked_at.pairs.extend(nearest(&self.coats, moment));
         }
         let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
-        let views = self.close_ups(moment, focus.as_ref(), [size, size]).map_err(failed)?;
+        let views = self.close_ups(moment, focus.as_ref(), &[size, size]).map_err(failed)?;
         let (list, camera, size, title) =
             views.into_iter().next().ok_or_else(|| failed("there is no body".to_owned()))?;
         let mut image = self.render(renderer, &list, &camera, size);
@@ -113,17 +114,28 @@ impl ScenePainter {
         image.map_err(|error| failed(error.to_string()))
     }
 
+    /// Sizes of the pictures beside the whole: without contacts nothing is ever magnified, and the
+    /// section takes the place.
+    fn beside(&self, [_, section, magnified]: [ImageSize; 3]) -> Vec<ImageSize> {
+        let width = section.width() + GAPS / 2 + magnified.width();
+        let wide = ImageSize::new(width, section.height()).ok();
+        match wide.filter(|_| self.without_contacts.is_some()) {
+            Some(wide) => vec![wide],
+            None => vec![section, magnified],
+        }
+    }
+
     /// The section, and what it shows magnified.
     fn close_ups(
         &self,
         moment: &Moment,
         focus: Option<&Focus>,
-        sizes: [ImageSize; 2],
+        sizes: &[ImageSize],
     ) -> Result<Vec<(DrawList, Camera, ImageSize, String)>, String> {
         let mut views = Vec::new();
         let whole = focus.map(|focus| (focus, focus.radius));
         let magnified = focus.and_then(|focus| Some((focus, focus.magnified()?)));
-        for (view, size) in [whole, magnified].into_iter().zip(sizes) {
+        for (view, &size) in [whole, magnified].into_iter().zip(sizes) {
             let Some((focus, radius)) = view else { continue };
             let mut list = self.bodies(moment);
             list.section = focus.section();
@@ -153,7 +165,7 @@ impl ScenePainter {
             }
             (bodies, None) => {
                 let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
-                let why = if self.has_contacts { "nothing is near" } else { UNCOMPUTED };
+                let why = self.without_contacts.unwrap_or("nothing is near");
                 format!("{} cut open; {why}", names.join(" and "))
             }
         }
@@ -180,7 +192,7 @@ impl ScenePainter {
         let mut keys = self.keys_of_bodies(&moment, style);
         keys.extend(self.keys_of_marks(&moment));
         keys.extend(marks::key_of_hidden(&list));
-        let caption = vec![caption(&self.coats, &moment, None, None, self.has_contacts)];
+        let caption = vec![caption(&self.coats, &moment, None, None, self.without_contacts)];
         let title = format!("{}: {what}", self.title);
         let sheet = Sheet { title, panels: vec![panel], keys, caption };
         sheet.compose().map_err(|error| failed(error.to_string()))
@@ -243,9 +255,6 @@ pub(super) fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 
-/// Why a picture of bodies that touch shows no contact.
-const UNCOMPUTED: &str = "contacts are not computed: no effect needs them";
-
 /// When, how many contacts, how deep; how near where nothing overlaps; and what is shown, where
 /// that is another contact.
 fn caption(
@@ -253,13 +262,12 @@ fn caption(
     moment: &Moment,
     nearest: Option<&MeetingPair>,
     focus: Option<&Focus>,
-    has_contacts: bool,
+    without_contacts: Option<&str>,
 ) -> String {
     let points: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let count = match moment.pairs.len() {
-        0 if has_contacts => "no contacts".to_owned(),
-        0 => UNCOMPUTED.to_owned(),
+        0 => without_contacts.unwrap_or("no contacts").to_owned(),
         pairs => format!("{} of {}", plural(points, "contact"), plural(pairs, "pair")),
     };
     let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
@@ -292,6 +300,7 @@ fn gap(pair: &MeetingPair) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{UNCOMPUTED, UNRECORDED};
     use super::*;
     use cranny_exact::DVec3;
     use cranny_geometry::VertexId;
@@ -299,10 +308,13 @@ mod tests {
 
     #[test]
     fn what_is_not_computed_is_not_said_to_be_absent() {
-        let words =
-            |has_contacts| caption(&Coats::default(), &Moment::default(), None, None, has_contacts);
-        assert_eq!(words(true), "t = 0.000 s; no contacts");
-        assert_eq!(words(false), "t = 0.000 s; contacts are not computed: no effect needs them");
+        let words = |without| caption(&Coats::default(), &Moment::default(), None, None, without);
+        assert_eq!(words(None), "t = 0.000 s; no contacts");
+        assert_eq!(
+            words(Some(UNCOMPUTED)),
+            "t = 0.000 s; contacts are not computed: no effect needs them"
+        );
+        assert_eq!(words(Some(UNRECORDED)), "t = 0.000 s; contacts are not recorded");
     }
 
     #[test]

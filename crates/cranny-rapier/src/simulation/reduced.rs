@@ -239,9 +239,16 @@ impl Simulation {
 
 /// Positions and velocities.
 impl Simulation {
-    /// The position of a joint of one coordinate: radians or units of length.
+    /// The position of a joint of one coordinate: radians or units of length. That of a hinge which
+    /// is a constraint between its bodies is known up to whole turns: it is within half a turn.
     #[must_use]
     pub fn joint_position(&self, joint: JointIndex) -> Option<f64> {
+        self.joint_position_near(joint, 0.0)
+    }
+
+    /// The same; where whole turns are open, the position nearest to this one.
+    #[must_use]
+    pub fn joint_position_near(&self, joint: JointIndex, near: f64) -> Option<f64> {
         let (place, axis, start) = match joint.0 {
             JointPlace::Impulses(handle) => (ReducedPlace::Impulses(handle), None, 0.0),
             JointPlace::Reduced(number) => {
@@ -255,7 +262,7 @@ impl Simulation {
                 let link = self.multibody_joints.get_multibody(link.multibody)?.link(link.id)?;
                 f64::from(link.joint.coords()[usize::from(axis?)])
             }
-            ReducedPlace::Impulses(handle) => self.between(handle)?,
+            ReducedPlace::Impulses(handle) => self.between(handle, near - start)?,
         };
         Some(start + coordinate)
     }
@@ -268,8 +275,9 @@ impl Simulation {
         self.reduced.joints.get(&number).is_some_and(|joint| joint.strained)
     }
 
-    /// The position of a joint of impulses, from its bodies: a hinge's within half a turn.
-    fn between(&self, handle: ImpulseJointHandle) -> Option<f64> {
+    /// The position of a joint of impulses, from its bodies: a hinge's is within half a turn of
+    /// `near`.
+    fn between(&self, handle: ImpulseJointHandle, near: f64) -> Option<f64> {
         let joint = self.joints.get(handle)?;
         let locked = joint.data.locked_axes;
         let spec = if locked == JointAxesMask::LOCKED_REVOLUTE_AXES {
@@ -285,7 +293,7 @@ impl Simulation {
         };
         let first = frame(joint.body1(), &joint.data.local_frame1)?;
         let second = frame(joint.body2(), &joint.data.local_frame2)?;
-        Some(position(&spec, &[first, second], 0.0))
+        Some(position(&spec, &[first, second], near))
     }
 
     /// The root of a tree has the velocity that its body was given.

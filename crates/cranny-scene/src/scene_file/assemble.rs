@@ -20,7 +20,7 @@ use super::include::{Sheet, Sheets};
 use super::pair::NamedPairs;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{CameraFile, PresetFile, SceneFile, effects};
-use super::{LoadOptions, layers, locate, mass, place_robot, sensors};
+use super::{LoadOptions, feedback, layers, locate, mass, place_robot, sensors};
 use crate::mesh_file::MeshFormat;
 
 type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
@@ -66,6 +66,7 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
         sheet.scene.cameras.iter().try_for_each(|camera| assembly.camera(camera))?;
     }
     assembly.warnings.extend(sensors::unread(&assembly.description));
+    assembly.warnings.extend(feedback::unfelt(&assembly.description));
     assembly.warnings.extend(layers::alone(&assembly.description));
     assembly.description.excluded_pairs.sort_unstable();
     assembly.description.excluded_pairs.dedup();

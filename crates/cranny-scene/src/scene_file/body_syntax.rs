@@ -8,11 +8,12 @@ use cranny_world::description::{
 };
 use serde::Deserialize;
 
-use super::effect::EffectFile;
+use super::effect::{EffectFile, distinct};
 use super::primitive::PrimitiveFile;
 use super::tracker::TrackerFile;
 use super::values::{
-    Axis, ColorFile, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
+    Axis, ColorFile, FaceAngle, Finite, Fraction, Grip, NotNegative, Positive, Rotation, Scale,
+    Vector, Weight,
 };
 use crate::robot::about;
 
@@ -48,7 +49,7 @@ pub(super) struct BodyFile {
     pub(super) sensor: bool,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
 }
 
@@ -128,14 +129,14 @@ impl From<RepairFile> for Repair {
 #[serde(deny_unknown_fields, rename = "Mass")]
 pub(super) enum MassFile {
     /// So much, spread over the solid, or over the surface where that is open.
-    Total(Positive),
+    Total(Weight),
     /// Of a shell along the surface, at the material's density.
     Shell { thickness: Positive },
     /// Of the convex hull, at the material's density.
     Hull {},
     /// As it stands here: moments about the centre, along the body's axes.
     Stated {
-        mass: Positive,
+        mass: Weight,
         #[serde(default)]
         center: Option<Vector>,
         inertia: MomentsFile,
@@ -326,8 +327,8 @@ impl From<PathEndFile> for PathEnd {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Material")]
 pub(super) struct MaterialFile {
-    density: Positive,
-    friction: NotNegative,
+    density: Weight,
+    friction: Grip,
     restitution: Fraction,
 }
 
@@ -335,8 +336,8 @@ impl Default for MaterialFile {
     fn default() -> Self {
         let Material { density, friction, restitution } = Material::default();
         Self {
-            density: Positive(density),
-            friction: NotNegative(friction),
+            density: Weight(density),
+            friction: Grip(friction),
             restitution: Fraction(restitution),
         }
     }

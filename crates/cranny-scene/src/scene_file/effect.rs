@@ -48,6 +48,22 @@ impl<'de> Deserialize<'de> for EffectFile {
     }
 }
 
+/// Reads effects; one of them at several levels or distances may stand several times.
+///
+/// # Errors
+///
+/// An effect that is named twice with the same parameters.
+pub(super) fn distinct<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<EffectFile>, D::Error> {
+    let effects = Vec::<EffectFile>::deserialize(from)?;
+    match (1..effects.len()).find(|&i| effects[..i].contains(&effects[i])) {
+        None => Ok(effects),
+        Some(i) => Err(de::Error::custom(format!(
+            "the effect {} is named twice. Keep one of the two",
+            effects[i].0.name()
+        ))),
+    }
+}
+
 struct EffectVisitor;
 
 impl<'de> Visitor<'de> for EffectVisitor {

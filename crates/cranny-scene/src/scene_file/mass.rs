@@ -7,6 +7,7 @@ use cranny_world::description::StatedMass;
 
 use super::body_syntax::MassFile;
 use super::geometry::CollisionGeometry;
+use super::values::HELD;
 
 /// The mass of a dynamic body: as the file says, or, where it says nothing and the mesh bounds no
 /// solid, that of its convex hull, with the reason. `None`: of the solid, at its density.
@@ -19,7 +20,6 @@ pub(super) fn of(
     said: Option<MassFile>,
     density: f64,
 ) -> Result<Option<(StatedMass, Option<String>)>, String> {
-    let known = |mass: StatedMass| Ok(Some((mass, None)));
     if let Some(primitive) = geometry.primitive() {
         let of_surface = matches!(said, Some(MassFile::Shell { .. } | MassFile::Hull {}));
         if of_surface {
@@ -34,6 +34,28 @@ pub(super) fn of(
             return Err(format!("a {} has no mass. Make it Fixed or Kinematic", primitive.name()));
         }
     }
+    let found = choose(geometry, said, density)?;
+    let mass = match &found {
+        Some((mass, _)) => mass.mass,
+        None => solid(geometry)?.map_or(1.0, |solid| density * solid.volume),
+    };
+    match HELD.contains(&mass) {
+        true => Ok(found),
+        false => Err(format!(
+            "its mass is {mass:.3e}, and solvers hold masses from {:e} to {:e}. Correct its size, `density` or `mass`",
+            HELD.start(),
+            HELD.end()
+        )),
+    }
+}
+
+/// As the file says, else of the hull where there is no solid.
+fn choose(
+    geometry: &CollisionGeometry,
+    said: Option<MassFile>,
+    density: f64,
+) -> Result<Option<(StatedMass, Option<String>)>, String> {
+    let known = |mass: StatedMass| Ok(Some((mass, None)));
     match said {
         Some(MassFile::Stated { mass, center, inertia, products }) => {
             known(stated(mass.0, center.map(|c| c.0), inertia.map(|m| m.0), products.map(|p| p.0))?)

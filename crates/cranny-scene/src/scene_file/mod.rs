@@ -27,6 +27,7 @@ mod advice;
 mod assemble;
 mod body_syntax;
 mod effect;
+mod feedback;
 mod geometry;
 mod group;
 mod include;

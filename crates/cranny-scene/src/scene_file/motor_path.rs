@@ -41,6 +41,32 @@ impl Drive<'_> {
         Ok(Some(Arc::new(path)))
     }
 
+    /// Fails if a motor leads to a position outside the joint's limits, or to two.
+    ///
+    /// # Errors
+    ///
+    /// The position and what it contradicts, in words.
+    pub(super) fn check_position(&self, limits: Option<[f64; 2]>) -> Result<(), String> {
+        let of_motor = self.motor.and_then(|motor| motor.position).map(|position| position.0);
+        if let Some((target, position)) = self.target.zip(of_motor)
+            && target != position
+        {
+            return Err(format!(
+                "its target is {target}, but the position of its motor is {position}. Keep one of the two"
+            ));
+        }
+        let stated = [("target", self.target), ("motor's position", of_motor)];
+        let outside = stated.into_iter().find_map(|(what, at)| {
+            let (at, [low, high]) = at.zip(limits)?;
+            (!(low..=high).contains(&at)).then(|| {
+                format!(
+                    "its {what} is {at}, outside its limits, {low} to {high}. Correct it or the limits"
+                )
+            })
+        });
+        outside.map_or(Ok(()), Err)
+    }
+
     /// What says where the joint goes beside a path.
     fn beside_path(&self) -> Option<&'static str> {
         let motor = self.motor.copied().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Joints in scenes: the bodies that they join, and whether their anchors fit together.
 
 use cranny_exact::Pose;
-use cranny_world::description::{JointDescription, JointKind, Motor, Resistance, Spring};
+use cranny_world::description::{BodyKind, JointDescription, JointKind, Motor, Resistance, Spring};
 
 use super::assemble::Assembly;
 use super::motor_path::{Drive, too_fast};
@@ -24,6 +24,7 @@ impl Assembly<'_> {
             target: joint.target.map(|target| target.0),
             path: joint.path.as_ref(),
         };
+        drive.check_position(kind.limits()).map_err(|what| self.refused_joint(joint, what))?;
         let path = drive.path(kind.limits()).map_err(|what| self.refused_joint(joint, what))?;
         let motor = drive.motor(Motor::default(), path.as_deref(), None);
         let whose = format!("joint {:?}", joint.name);
@@ -34,6 +35,8 @@ impl Assembly<'_> {
             [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
         let apart = self.apart_at_start(ends, [parent_anchor, child_anchor], &kind);
         self.warnings.extend(apart.map(|apart| format!("{whose}: {apart}")));
+        let idle = self.idle_joint(ends, &kind);
+        self.warnings.extend(idle.map(|idle| format!("{whose}: {idle}")));
         if !joint.collide {
             self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
         }
@@ -52,6 +55,26 @@ impl Assembly<'_> {
             start: 0.0,
         });
         Ok(())
+    }
+
+    /// What is to be known of a joint that changes nothing, or that makes another one do so.
+    fn idle_joint(&self, ends: [usize; 2], kind: &JointKind) -> Option<String> {
+        let bodies = ends.map(|end| &self.description.bodies[end]);
+        if bodies.iter().all(|body| body.kind == BodyKind::Fixed) {
+            return Some(format!(
+                "it joins two Fixed bodies, {:?} and {:?}: it changes nothing. Make one of them Dynamic, or take the joint out",
+                bodies[0].name, bodies[1].name
+            ));
+        }
+        let same = |other: &&JointDescription| {
+            [[other.parent, other.child], [other.child, other.parent]].contains(&ends)
+                && [&other.kind, kind].contains(&&JointKind::Fixed)
+        };
+        let other = self.description.joints.iter().find(same)?;
+        Some(format!(
+            "the joint {:?} joins the same two bodies, and one of the two is Fixed: nothing is left free. Take one of them out",
+            other.name
+        ))
     }
 
     fn refused_joint(&self, joint: &JointFile, what: String) -> SceneError {

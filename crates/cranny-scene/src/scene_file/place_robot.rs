@@ -61,6 +61,10 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         Some(name) => source.find("name", name),
         None => place,
     };
+    if name.is_empty() {
+        let problem = SceneProblem::Name { name, reason: "is empty" };
+        return Err(source.error(place, problem));
+    }
     if !assembly.robots.insert(name.clone()) {
         let what = format!(
             "two robots are called {name:?}: a robot without a `name` has that of its file. Give one another, as in (path: {:?}, name: \"second\")",
@@ -82,6 +86,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     let targets = numbers(&file.targets);
     check_limits(&robot, "position", &positions).map_err(refuse)?;
     check_limits(&robot, "target", &targets).map_err(refuse)?;
+    check_motors(&robot, file, &targets).map_err(refuse)?;
     let position_error = |wrong| {
         let problem = SceneProblem::Position { robot: name.clone(), source: wrong };
         source.error(place.clone(), problem)
@@ -153,10 +158,27 @@ fn check_limits(robot: &Robot, what: &str, positions: &JointPositions) -> Result
     Ok(())
 }
 
+/// Fails if a motor leads its joint outside its limits, or elsewhere than the joint's target.
+fn check_motors(robot: &Robot, file: &RobotFile, targets: &JointPositions) -> Result<(), String> {
+    file.motors.keys().try_for_each(|name| {
+        let limits = robot.joint(name).and_then(|joint| robot.joints[joint].limits());
+        let drive = file.drive(name, targets.get(name).copied());
+        drive.check_position(limits).map_err(|what| format!("joint {name:?}: {what}"))
+    })
+}
+
 impl RobotFile {
     /// What is to lead a joint.
     fn drive(&self, joint: &str, target: Option<f64>) -> Drive<'_> {
         Drive { motor: self.motors.get(joint), target, path: self.paths.get(joint) }
+    }
+}
+
+/// How many pairs meet, as the beginning of a sentence.
+fn pairs_that_meet(count: usize) -> String {
+    match count {
+        1 => "1 pair of links meets".to_owned(),
+        _ => format!("{count} pairs of links meet"),
     }
 }
 

@@ -27,7 +27,8 @@ fn reads(effects: &[Effect]) -> bool {
     effects.iter().any(|effect| !effect.pushes())
 }
 
-fn may_meet(scene: &SceneDescription, [a, b]: [usize; 2]) -> bool {
+/// Whether neither layers nor a pair keeps two bodies apart.
+pub(super) fn may_meet(scene: &SceneDescription, [a, b]: [usize; 2]) -> bool {
     let [layers_a, layers_b] = [a, b].map(|index| &scene.bodies[index].layers);
     let excluded = scene.excluded_pairs.iter().any(|&pair| pair == (a.min(b), a.max(b)));
     !excluded && layers_a.iter().any(|layer| layers_b.contains(layer))

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::body_syntax::{
     BodyFile, KindFile, MaterialFile, MotorPathFile, NormalsFile, PoseFile, ShapeFile, all_layers,
 };
-use super::effect::EffectFile;
+use super::effect::{EffectFile, distinct};
 use super::values::{Axis, ColorFile, Finite, NotNegative, Positive, Vector};
 
 /// A whole file.
@@ -41,7 +41,7 @@ pub(super) struct SceneFile {
     pub(super) robots: Vec<RobotFile>,
     #[serde(default)]
     pub(super) joints: Vec<JointFile>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
     #[serde(default)]
     pub(super) accuracy: AccuracyFile,
@@ -173,7 +173,7 @@ pub(super) struct GridFile {
     pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
 }
 
@@ -202,7 +202,7 @@ pub(super) struct PileFile {
     pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
 }
 
@@ -265,7 +265,7 @@ pub(super) struct RobotFile {
     pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
 }
 
@@ -376,7 +376,7 @@ pub(super) struct PairFile {
     /// Whether the two may meet.
     #[serde(default = "yes")]
     pub(super) collide: bool,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "distinct")]
     pub(super) effects: Vec<EffectFile>,
     #[serde(default)]
     pub(super) accuracy: Option<AccuracyFile>,

@@ -1,6 +1,7 @@
 //! Numbers of a scene file, checked while their place is known.
 
 use std::fmt::{self, Formatter};
+use std::ops::RangeInclusive;
 
 use cranny_exact::{DQuat, DVec3, Pose, PoseError, check_point};
 use cranny_world::description::BodyColor;
@@ -157,4 +158,50 @@ ranges! {
     Fraction: "a number from 0 to 1", |x| (0.0..=1.0).contains(&x);
     FaceAngle: "a number of radians from 0 to π", |x| (0.0..=std::f64::consts::PI).contains(&x);
     Finite: "a finite number", f64::is_finite;
+}
+
+/// Masses and densities that solvers hold in single precision, with room for inertia. Wider: a
+/// scene passes that no solver takes; narrower: bodies as small as cells or as large as planets are
+/// refused.
+pub(super) const HELD: RangeInclusive<f64> = 1e-30..=1e30;
+
+/// A density or a mass: greater than 0, and within what solvers hold.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "f64")]
+pub(super) struct Weight(pub(super) f64);
+
+impl TryFrom<f64> for Weight {
+    type Error = String;
+
+    fn try_from(value: f64) -> Result<Self, String> {
+        let Positive(value) = value.try_into()?;
+        match HELD.contains(&value) {
+            true => Ok(Self(value)),
+            false => Err(format!(
+                "expected a number from {:e} to {:e}, which solvers hold, found {value:e}",
+                HELD.start(),
+                HELD.end()
+            )),
+        }
+    }
+}
+
+/// A coefficient of friction: at least 0, and within what solvers hold.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "f64")]
+pub(super) struct Grip(pub(super) f64);
+
+impl TryFrom<f64> for Grip {
+    type Error = String;
+
+    fn try_from(value: f64) -> Result<Self, String> {
+        let NotNegative(value) = value.try_into()?;
+        match value <= *HELD.end() {
+            true => Ok(Self(value)),
+            false => Err(format!(
+                "expected a number from 0 to {:e}, which solvers hold, found {value:e}",
+                HELD.end()
+            )),
+        }
+    }
 }

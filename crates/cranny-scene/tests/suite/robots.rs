@@ -351,6 +351,20 @@ fn links_without_geometry_are_carried() {
 }
 
 #[test]
+fn an_empty_name_of_a_robot_is_refused() {
+    let files = Files::new();
+    let text = "(robots: [(path: \"arm.urdf\", name: \"\")])";
+    std::fs::write(files.folder.path().join("arm.urdf"), arm()).unwrap();
+    let parsed =
+        parse_scene(text.to_owned(), &files.folder.path().join("s.ron"), &LoadOptions::default());
+    let error = parsed.unwrap_err().to_string();
+    assert!(
+        error.contains("line 1, column") && error.contains("the name \"\" is empty"),
+        "{error}"
+    );
+}
+
+#[test]
 fn wrong_positions_are_placed_in_the_scene() {
     let files = Files::new();
     for (robot, says) in [
@@ -359,6 +373,14 @@ fn wrong_positions_are_placed_in_the_scene() {
             "position 2.5 of joint \"turn\" is outside its limits, -2 to 2",
         ),
         ("targets: {\"slide\": -1}", "target -1 of joint \"slide\""),
+        (
+            "motors: {\"turn\": (position: 3)}",
+            "joint \"turn\": its motor's position is 3, outside its limits, -2 to 2",
+        ),
+        (
+            "targets: {\"turn\": 1}, motors: {\"turn\": (position: -1)}",
+            "joint \"turn\": its target is 1, but the position of its motor is -1",
+        ),
         ("positions: {\"bend\": 0}", "no joint \"bend\"; its movable joints are turn, slide"),
         ("positions: {\"follow\": 0}", "follows joint"),
     ] {
@@ -752,7 +774,7 @@ fn links_that_meet_at_rest_are_left_out_and_said() {
     assert_eq!(pairs(""), [(0, 1), (1, 2), (1, 3), (2, 3)]);
     let said = files.loaded(&text, "").unwrap().warnings.join("\n");
     assert!(
-        said.contains("1 pairs of links meet where the robot starts and never collide: \"b - c\""),
+        said.contains("1 pair of links meets where the robot starts, never to collide: \"b - c\""),
         "{said}"
     );
     assert_eq!(pairs("self_collisions: Adjacent"), [(0, 1), (1, 2), (1, 3)]);

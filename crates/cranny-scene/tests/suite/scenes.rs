@@ -787,3 +787,101 @@ fn devices_of_two_bodies_err_each_on_its_own() {
     assert!(one[0] != one[1] && one[0] != other[0] && one[1] != other[1], "{one:?} {other:?}");
     assert_eq!(seeds(1, ", seed: 7"), [7, 7], "as stated");
 }
+
+#[test]
+fn numbers_that_no_solver_holds_are_refused_with_their_place_and_range() {
+    let body = |fields: &str| {
+        parse(&format!("(bodies: [(name: \"a\", shape: Generator(Cuboid()),\n{fields})])"))
+    };
+    for (fields, says) in [
+        ("material: (density: 1e300)", "from 1e-30 to 1e30"),
+        ("material: (friction: 1e300)", "from 0 to 1e30, which solvers hold, found 1e300"),
+        ("mass: Total(1e-40)", "from 1e-30 to 1e30, which solvers hold, found 1e-40"),
+        ("mass: Stated(mass: 1e40, inertia: (1, 1, 1))", "from 1e-30 to 1e30"),
+    ] {
+        let error = body(fields).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("line 2"), "{fields}: {error}");
+    }
+    let large = "(bodies: [(name: \"a\", shape: Generator(Cuboid(size: (1e9, 1e9, 1e9))), material: (density: 1e9))])";
+    let error = parse(large).unwrap_err().to_string();
+    assert!(
+        error.contains("body \"a\": its mass is 1.000e36") && error.contains("1e-30 to 1e30"),
+        "{error}"
+    );
+}
+
+#[test]
+fn motors_that_lead_outside_the_limits_or_two_ways_are_refused() {
+    let hinge =
+        |drive: &str| joined(&format!("kind: Revolute(axis: (0, 0, 1), limits: (-1, 1)), {drive}"));
+    for (drive, says) in [
+        ("target: 2", "joint \"j\": its target is 2, outside its limits, -1 to 1"),
+        ("motor: (position: -1.5)", "its motor's position is -1.5, outside its limits, -1 to 1"),
+        (
+            "target: 1, motor: (position: -1)",
+            "its target is 1, but the position of its motor is -1",
+        ),
+    ] {
+        let error = hinge(drive).unwrap_err().to_string();
+        assert!(error.contains("line 3, column ") && error.contains(says), "{drive}: {error}");
+    }
+    for drive in ["target: -1", "motor: (position: 1)", "target: 0.5, motor: (stiffness: 2)"] {
+        hinge(drive).unwrap();
+    }
+}
+
+#[test]
+fn joints_that_change_nothing_are_warned_of() {
+    let scene = |kind: &str, joints: &str| {
+        let body =
+            |name: &str| format!("(name: \"{name}\", shape: Generator(Cuboid()), kind: {kind})");
+        parse(&format!("(bodies: [{}, {}], joints: [{joints}])", body("a"), body("b")))
+            .unwrap()
+            .warnings
+    };
+    let joint = |name: &str, kind: &str| {
+        format!("(name: \"{name}\", parent: \"a\", child: \"b\", kind: {kind})")
+    };
+    let [ball, fixed] = [joint("ball", "Ball()"), joint("stiff", "Fixed()")];
+    let found = scene("Fixed", &ball);
+    assert!(
+        found[0].starts_with("joint \"ball\": it joins two Fixed bodies, \"a\" and \"b\""),
+        "{found:?}"
+    );
+    let found = scene("Dynamic", &format!("{ball}, {fixed}"));
+    assert!(
+        found[0].starts_with("joint \"stiff\": the joint \"ball\" joins the same two"),
+        "{found:?}"
+    );
+    assert_eq!(scene("Dynamic", &fixed), [""; 0]);
+    assert_eq!(scene("Dynamic", &format!("{ball}, {}", joint("rope", "Rope(length: 1)"))), [""; 0]);
+}
+
+#[test]
+fn effects_are_named_once_and_force_feedback_where_somebody_feels_it() {
+    let body = |name: &str, fields: &str| {
+        format!("(name: \"{name}\", shape: Generator(Cuboid()), {fields})")
+    };
+    let twice = body("a", "effects: [Trigger(), Contacts(), Trigger()]");
+    let error = parse(&format!("(bodies: [{twice}])")).unwrap_err().to_string();
+    assert!(error.contains("the effect Trigger is named twice"), "{error}");
+    const FELT: &str = "effects: [ForceFeedback(stiffness: 1)]";
+    let warnings = |own: &str, other: &str, scene: &str| {
+        parse(&format!("(bodies: [{}, {}], {scene})", body("a", own), body("b", other)))
+            .unwrap()
+            .warnings
+    };
+    let kinematic = "kind: Kinematic";
+    for (own, other, scene, owner) in [
+        (FELT, "", "", "body \"a\""),
+        (FELT, "kind: Kinematic, layers: [\"b\"]", "", "body \"a\""),
+        ("", "", FELT, "the scene"),
+        ("", "", &format!("pairs: [(a: \"a\", b: \"b\", {FELT})]"), "the pair \"a\" and \"b\""),
+    ] {
+        let found = warnings(own, other, scene);
+        let says = format!("{owner} names ForceFeedback, which only Kinematic bodies feel");
+        assert!(found[0].starts_with(&says), "{own} {other} {scene}: {found:?}");
+    }
+    assert_eq!(warnings(FELT, kinematic, ""), [""; 0]);
+    assert_eq!(warnings("", kinematic, FELT), [""; 0]);
+}

@@ -15,19 +15,19 @@ pub(crate) struct ReplayArgs {
     pub(crate) recording: PathBuf,
 
     /// Only the frame nearest to this time in seconds
-    #[arg(long, value_name = "S", value_parser = moment, conflicts_with_all = ["from", "to", "every"])]
+    #[arg(long, value_name = "S", value_parser = moment, conflicts_with_all = ["from", "to", "every"], allow_hyphen_values = true)]
     pub(crate) at: Option<f64>,
 
     /// From this time on
-    #[arg(long, value_name = "S", value_parser = moment)]
+    #[arg(long, value_name = "S", value_parser = moment, allow_hyphen_values = true)]
     pub(crate) from: Option<f64>,
 
     /// Up to this time
-    #[arg(long, value_name = "S", value_parser = moment)]
+    #[arg(long, value_name = "S", value_parser = moment, allow_hyphen_values = true)]
     pub(crate) to: Option<f64>,
 
     /// Every so many frames
-    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = every, allow_hyphen_values = true)]
     pub(crate) every: u32,
 
     /// Draw the frame, or an animation of several
@@ -58,6 +58,11 @@ fn moment(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
         _ => Err("a time is a number of seconds of at least 0, such as 0.35".to_owned()),
     }
+}
+
+fn every(text: &str) -> Result<u32, String> {
+    let refused = || format!("a number of frames is a whole number from 1 to {}", u32::MAX);
+    text.parse().ok().filter(|every| *every > 0).ok_or_else(refused)
 }
 
 /// What is drawn of a recorded moment.

@@ -17,8 +17,13 @@ pub(crate) struct ReportArgs {
     pub(crate) out: PathBuf,
 
     /// Pictures in the strip
-    #[arg(long, value_name = "N", default_value = "6", value_parser = clap::value_parser!(u32).range(1..=24))]
+    #[arg(long, value_name = "N", default_value = "6", value_parser = pictures, allow_hyphen_values = true)]
     pub(crate) pictures: u32,
+}
+
+fn pictures(text: &str) -> Result<u32, String> {
+    let count = text.parse().ok().filter(|count| (1..=24).contains(count));
+    count.ok_or_else(|| "a strip has a whole number of pictures from 1 to 24".to_owned())
 }
 
 const REPORT_NOTES: &str = "\

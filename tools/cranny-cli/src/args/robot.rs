@@ -58,7 +58,9 @@ Output with --configurations: one JSON object a line for each configuration, in 
   configuration   index from 0
   hits            pairs of links that touch or overlap, or one of which lies inside the other, by name:
                   of all pairs but those that a joint joins and those that the SRDF disables;
-                  with --group, of those pairs that the group moves, as MoveIt checks a group
+                  with --group, of those pairs that the group moves, as MoveIt checks a group.
+                  Links that fixed joints hold together by way of a third link are among them; those of
+                  them that meet do so at every configuration, and a warning names them
   distance        least distance of two such links, 0 where some meet; null without --distance, or
                   where there is no pair to check
   pair            the links that are so near

@@ -317,9 +317,24 @@ pub(crate) enum DetectorArg {
     RapierTree,
 }
 
+/// Threads for each of the machine's. More: they take turns, and nothing is faster.
+const THREADS_EACH: usize = 4;
+
+/// Threads whatever the machine. More: starting them takes longer than a step.
+const MOST_THREADS: usize = 1024;
+
 /// A number of threads.
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    text.parse().map_err(|_| "a number of threads is 1 or more, such as 4".to_owned())
+    let count: NonZeroUsize =
+        text.parse().map_err(|_| "a number of threads is 1 or more, such as 4".to_owned())?;
+    let machine = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let most = THREADS_EACH.saturating_mul(machine).min(MOST_THREADS);
+    match count.get() <= most {
+        true => Ok(count),
+        false => Err(format!(
+            "at most {most} threads, {THREADS_EACH} for each of the {machine} that this machine runs at once"
+        )),
+    }
 }
 
 /// A seed.
@@ -341,10 +356,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_is_at_least_one_thread() {
+    fn there_are_as_many_threads_as_serve() {
         assert_eq!(threads("3").map(NonZeroUsize::get), Ok(3));
         for text in ["0", "-1", "x", ""] {
             assert!(threads(text).unwrap_err().contains("1 or more"), "{text:?}");
+        }
+        for text in ["1025", "20000"] {
+            assert!(threads(text).unwrap_err().contains("at most"), "{text:?}");
         }
     }
 

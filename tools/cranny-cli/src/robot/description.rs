@@ -9,6 +9,8 @@ use cranny_world::Arrangement;
 use cranny_world::description::JointKind;
 use serde::Serialize;
 
+use crate::words::counted;
+
 /// A robot, as it was read.
 #[derive(Debug, Serialize)]
 pub(super) struct Description {
@@ -63,7 +65,7 @@ impl Description {
             links: robot.links.iter().map(LinkDescription::of).collect(),
             joints: robot.joints.iter().map(joint).collect(),
             checked_pairs: checked.pairs().len(),
-            mass: robot.links.iter().filter_map(|link| link.mass).sum(),
+            mass: robot.links.iter().filter_map(|link| link.mass).fold(0.0, |sum, mass| sum + mass),
             notes: robot.notes.clone(),
         }
     }
@@ -71,13 +73,16 @@ impl Description {
     /// For people.
     pub(super) fn text(&self) -> String {
         let mut lines = vec![format!(
-            "robot {}: {} links, {} joints, {:.4} kg, root {}; {} pairs of links are checked",
+            "robot {}: {}, {}, {:.4} kg, root {}; {} checked",
             self.robot,
-            self.links.len(),
-            self.joints.len(),
+            counted(self.links.len(), "link"),
+            counted(self.joints.len(), "joint"),
             self.mass,
             self.root,
-            self.checked_pairs
+            match self.checked_pairs {
+                1 => "1 pair of links is".to_owned(),
+                pairs => format!("{pairs} pairs of links are"),
+            }
         )];
         let width = self.links.iter().map(|link| link.name.len()).max().unwrap_or(0).max(4);
         lines.push(format!("\n{:width$}  {:>8}  {:>10}  inertia", "link", "faces", "mass, kg"));

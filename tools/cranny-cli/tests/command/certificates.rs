@@ -112,6 +112,8 @@ fn what_is_no_certificate_is_refused() {
     let certified = certified();
     let folder = &certified.folder;
     run(&["verify", &folder.write("empty.jsonl", "\n")]).assert_refused(2, &["no certificate"]);
+    run(&["verify", &folder.write("scene.ron", "(\n bodies: [],\n)")])
+        .assert_refused(2, &["scene.ron", "no certificates in this file"]);
     run(&["verify", "missing.jsonl"]).assert_refused(2, &["missing.jsonl", "no such file"]);
     let plain = run(&["verify", &folder.write("plain.jsonl", "{\"pose\": 0}\n\u{fffd}\n")]);
     assert_eq!(plain.code, Some(1));

@@ -86,3 +86,32 @@ fn motors_lead_joints_along_their_paths() {
         assert!((slide - expected).abs() < 3e-2, "after {duration} s: {slide}");
     }
 }
+
+/// A hinge between two bodies is known up to whole turns, and so is how far off its motor it is.
+#[test]
+fn a_hinge_that_turns_past_half_a_turn_is_not_a_turn_off() {
+    let folder = Folder::new();
+    let scene = |drive: &str| {
+        let text = format!(
+            r#"(gravity: (0, 0, 0), step: 0.004, duration: 4,
+            bodies: [(name: "base", shape: Generator(Cuboid()), kind: Fixed),
+                     (name: "arm", shape: Generator(Cuboid()))],
+            joints: [(name: "hinge", parent: "base", child: "arm", kind: Revolute(axis: (0, 0, 1)), {drive})],
+            effects: [Response()])"#
+        );
+        folder.write("hinge.ron", text)
+    };
+    let path = |to: f64| {
+        format!(
+            "path: (keyframes: [(time: 0, position: 0), (time: 2, position: {to}), (time: 4, position: 0)])"
+        )
+    };
+    for (drive, most) in
+        [(path(3.2), 0.2), (path(6.25), 0.4), ("target: 4".to_owned(), 2.3), (path(1.0), 0.2)]
+    {
+        let summary = &run(&["run", &scene(&drive), "--format", "json"]).json_lines()[0];
+        let [off_max, off] =
+            ["off_max", "off"].map(|key| summary["joints"][0][key].as_f64().unwrap());
+        assert!(off_max < most && off < 0.05, "{drive}: at most {off_max} off, {off} at the end");
+    }
+}

@@ -127,6 +127,59 @@ fn wrong_input_is_refused() {
     assert_eq!(run(&["replay", &path, "--size", "0x5"]).code, Some(2));
     let undrawn = run(&["replay", &path, "--camera", "front"]);
     undrawn.assert_refused(2, &["--camera front", "Add --render"]);
+    for (option, says) in [
+        ("--at", "a number of seconds of at least 0"),
+        ("--from", "a number of seconds of at least 0"),
+        ("--to", "a number of seconds of at least 0"),
+        ("--every", "a whole number from 1 to 4294967295"),
+    ] {
+        let refused = run(&["replay", &path, option, "-1"]);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains(says) && !refused.stderr.contains("tip"), "{refused:?}");
+    }
+}
+
+#[test]
+fn a_scene_is_no_recording_and_one_without_bodies_is_not_called_damaged() {
+    let folder = Folder::new();
+    let (page, path) = (argument(&folder.path("a.html")), argument(&folder.path("empty.mcap")));
+    let scene = folder.write("empty.ron", "(duration: 0.1, step: 0.01)");
+    for command in [&["replay", &scene][..], &["report", &scene, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.ron", "is no recording", "cranny run"]);
+    }
+    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
+    for command in [&["replay", &path][..], &["report", &path, "--out", &page]] {
+        run(command).assert_refused(2, &["empty.mcap", "its scene has no bodies"]);
+    }
+}
+
+/// Two pictures are wider than three: where contacts are not recorded, none is magnified.
+#[test]
+fn a_page_without_recorded_contacts_has_no_blank_picture() {
+    let folder = Folder::new();
+    let bare = folder.write("bare.ron", DROP.replace(", Contacts(margin: 0.01)", ""));
+    let path = argument(&folder.path("bare.mcap"));
+    assert_eq!(run(&["run", &bare, "--record", &path]).code, Some(0));
+    let picture = argument(&folder.path("page.png"));
+    let outcome = run(&["replay", &path, "--at", "1", "--render", &picture]);
+    if outcome.stderr.contains("no graphics adapter") {
+        return;
+    }
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let decoder = png::Decoder::new(std::io::Cursor::new(std::fs::read(&picture).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let (width, height) = (info.width as usize, info.height as usize);
+    let bytes = pixels.len() / (width * height);
+    // The right fifth, where the blank picture was: from the title's foot to the legend.
+    let pixel = |x: usize, y: usize| &pixels[(y * width + x) * bytes..][..3];
+    let right = (width * 4 / 5..width * 19 / 20)
+        .flat_map(|x| (height / 5..height * 3 / 4).map(move |y| (x, y)));
+    let mut colors: Vec<&[u8]> = right.map(|(x, y)| pixel(x, y)).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    assert!(colors.len() > 1, "a blank picture");
 }
 
 /// A preset that a camera shares its name with is listed once.

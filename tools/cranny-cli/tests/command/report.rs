@@ -178,3 +178,12 @@ fn the_layout_for_viewers_names_topics_that_exist() {
         }
     }
 }
+
+#[test]
+fn a_strip_has_1_to_24_pictures() {
+    for count in ["0", "25", "-1", "x"] {
+        let outcome = run(&["report", "a.mcap", "--out", "a.html", "--pictures", count]);
+        let says = "a strip has a whole number of pictures from 1 to 24";
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(says), "{outcome:?}");
+    }
+}

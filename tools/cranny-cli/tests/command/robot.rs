@@ -251,3 +251,40 @@ fn an_srdf_file_in_place_of_the_robot_is_refused_with_the_option() {
     let srdf = folder.write("arm.srdf", "<robot name=\"arm\"/>");
     run(&["robot", &srdf]).assert_refused(2, &["arm.srdf", "Name the URDF", "--srdf"]);
 }
+
+/// A flange without geometry between two links: no joint joins those, and they never part.
+#[test]
+fn links_that_fixed_joints_hold_in_each_other_are_named_once() {
+    let folder = Folder::new();
+    let link = |name: &str| {
+        format!(
+            "<link name='{name}'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+        )
+    };
+    let joint = |parent: &str, child: &str| {
+        format!(
+            "<joint name='to_{child}' type='fixed'><parent link='{parent}'/><child link='{child}'/></joint>"
+        )
+    };
+    let urdf = |flange: &str| {
+        let parts = [
+            link("arm"),
+            flange.to_owned(),
+            link("hand"),
+            joint("arm", "flange"),
+            joint("flange", "hand"),
+        ];
+        folder.write("r.urdf", format!("<robot name='r'>{}</robot>", parts.concat()))
+    };
+    let described = run(&["robot", &urdf("<link name='flange'/>")]).stdout;
+    assert!(described.starts_with("robot r: 3 links, 2 joints, 0.0000 kg"), "{described}");
+    assert!(described.contains("; 1 pair of links is checked"), "{described}");
+    let says = "1 pair of links meets at every configuration, since fixed joints hold them together: arm - hand. Name an SRDF file";
+    assert!(described.contains(says), "{described}");
+    let q = folder.write("q.json", "[{}]");
+    let checked = run(&["robot", &urdf("<link name='flange'/>"), "--configurations", &q]);
+    assert!(checked.code == Some(0) && checked.stderr.contains(says), "{checked:?}");
+    let alone = folder.write("alone.urdf", format!("<robot name='a'>{}</robot>", link("arm")));
+    let alone = run(&["robot", &alone]).stdout;
+    assert!(alone.starts_with("robot a: 1 link, 0 joints, 0.0000 kg"), "{alone}");
+}

@@ -81,3 +81,27 @@ fn check_and_run_name_what_overlaps_at_the_start() {
     let apart = run(&["run", &scene, "--verbose", "--set", "bodies.block.pose.at.x=1.5"]);
     assert!(!apart.stderr.contains("overlap"), "{apart:?}");
 }
+
+/// The scene has no such field: the flag is what is to be left out.
+#[test]
+fn levels_and_budgets_of_flags_are_refused_by_the_flags_names() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    for (flag, value) in [("--accuracy", "caps"), ("--accuracy", "tree:3"), ("--budget", "5")] {
+        let named = format!("`{flag} {value}` changes nothing");
+        run(&["run", &scene, flag, value]).assert_refused(2, &[&named]);
+    }
+    let own = folder.write("own.ron", SCENE.replace("duration:", "budget: 5, duration:"));
+    run(&["run", &own]).assert_refused(2, &["`budget: 5` changes nothing"]);
+}
+
+#[test]
+fn a_file_for_frames_and_too_many_threads_are_refused() {
+    let folder = Folder::new();
+    let scene = folder.write("s.ron", SCENE);
+    let file = folder.write("frames", "");
+    run(&["run", &scene, "--frames", &file])
+        .assert_refused(1, &[&format!("--frames {file}: it is a file"), "Name a folder"]);
+    let threads = run(&["run", &scene, "--threads", "20000"]);
+    assert!(threads.code == Some(2) && threads.stderr.contains("at most "), "{threads:?}");
+}

@@ -7,7 +7,7 @@ use cranny_exact::Pose;
 use cranny_world::Wanted;
 use cranny_world::description::{JointPositions, MotorPath};
 
-use super::{NAMED, Placing};
+use super::{NAMED, Placing, pairs_that_meet};
 use crate::robot::Robot;
 use crate::scene_file::motor_path::too_fast;
 use crate::scene_file::syntax::RobotFile;
@@ -71,8 +71,8 @@ impl Placing<'_> {
         if !told.is_empty() {
             let listed = told[..told.len().min(NAMED)].join(", ");
             self.warnings.push(format!(
-                "{} pairs of links meet on the way along `paths`: {listed}. Lead the joints around, or exclude the pairs by `srdf` or `self_collisions`",
-                told.len()
+                "{} on the way along `paths`: {listed}. Lead the joints around, or exclude the pairs by `srdf` or `self_collisions`",
+                pairs_that_meet(told.len())
             ));
         }
         Ok(())

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use cranny_exact::Pose;
 use cranny_world::{Arrangement, ArrangementError, Wanted};
 
-use super::{Placing, listed};
+use super::{Placing, listed, pairs_that_meet};
 use crate::scene_file::syntax::SelfCollisionsFile;
 
 impl Placing<'_> {
@@ -42,8 +42,9 @@ impl Placing<'_> {
                         .map(|&(i, j)| format!("{} - {}", name(i), name(j)))
                         .collect();
                     self.warnings.push(format!(
-                        "{} pairs of links meet where the robot starts and never collide: {}. `self_collisions: Adjacent` keeps them",
-                        names.len(), listed(&names)
+                        "{} where the robot starts, never to collide: {}. `self_collisions: Adjacent` keeps them",
+                        pairs_that_meet(names.len()),
+                        listed(&names)
                     ));
                 }
                 excluded.extend(meeting.into_iter().map(|(i, j)| (self.first + i, self.first + j)));
