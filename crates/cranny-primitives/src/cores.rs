@@ -1,7 +1,7 @@
 //! Cores of a body: what is left of it when its surface is moved inwards.
 //!
 //! A body that is held where its surface meets another one is held where it slides, rolls and rests
-//! as well. So what is swept is a core: it is free of whatever the body merely touches, and where
+//! as well. So what is swept is a core: it is free of what the body merely touches, and where
 //! the core passes through nothing, the body passes through nothing
 //! ([`let_until`](crate::let_until)).
 //!
@@ -165,7 +165,7 @@ fn all_inwards(model: &Model) -> Vec<Inwards> {
     vertices.map(|vertex| Inwards::of(model, vertex, &through)).collect()
 }
 
-/// A model whose surface lies so deep in that of another one.
+/// A model with its surface sunk by a depth.
 fn sunk(model: &Model, inwards: &[Inwards], depth: f64) -> Option<Model> {
     let mesh = model.mesh();
     let vertices = mesh.vertices().iter().zip(inwards);

@@ -143,7 +143,7 @@ fn back([a, b]: [MovingShape<'_>; 2], tolerance: f64) -> f64 {
     (tolerance / speed(&a, &b)).max(LEAST_BACK)
 }
 
-/// Two bodies of which one is held by a core.
+/// Two bodies, one of them held by a core.
 struct Held<'a> {
     ends: [MovingCores<'a>; 2],
     /// How deep the first core is that may serve, at most.

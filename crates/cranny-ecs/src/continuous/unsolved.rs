@@ -1,7 +1,7 @@
 //! Kinematic bodies that follow their velocities: once they have moved, the way of each is held
 //! against those of the bodies around it, and whoever would have met something stays just before.
-//! What touches another one when a step begins parts from it or slides along, and is not led into
-//! it.
+//! What touches another one when a step begins parts from it or slides along, and is led into it by
+//! next to nothing ([`last_apart`]).
 //!
 //! There is no solver that pushes them back, so slow ways count as fast ones do: a body that is led
 //! into a wall stands before it until it is led elsewhere, and does not slide along.

@@ -6,7 +6,7 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_impact::{Hit, Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
 use cranny_narrow_phase::{Containment, Feature};
-use cranny_shapes::{CPrism, Cuboid, GolfBall, NestedShells, Torus};
+use cranny_shapes::{CPrism, Cuboid, Floor, GolfBall, NestedShells, Torus};
 use cranny_testkit::bodies::{cuboid, inverted, octahedron, prism};
 use cranny_testkit::{model, shape};
 
@@ -255,6 +255,22 @@ fn inside_a_solid_is_met_already_inside_a_void_is_free() {
     hits_at(still(&hollow), moving(&ball, out), (0.9 - reach) / 2.0, 2.0);
     let shells = shape(NestedShells::default());
     assert!(matches!(impact(still(&shells), moving(&shells, out)), Impact::Initially { .. }));
+}
+
+/// Fine floors face to face, a hair apart: thousands of pairs of faces are settled at one moment.
+/// A budget ends within it, but for what one pair of faces takes.
+#[test]
+fn a_budget_ends_within_a_moment() {
+    let floor = shape(Floor { size: [4.0, 4.0, 0.2], squares: [30, 30] });
+    let height = floor.bounds().max.z - floor.bounds().min.z;
+    let start = Pose::at(DVec3::new(0.013, 0.007, height + 1e-3));
+    let upper = moving(&floor, Motion::straight(start, DVec3::new(1.0, 0.3, -2e-3)));
+    let (_, all) = time_of_impact(still(&floor), upper, &ImpactOptions::within(TOLERANCE)).unwrap();
+    let budget = 2_000;
+    assert!(all.total() > 10 * budget, "{all:?}");
+    let options = ImpactOptions { budget, ..ImpactOptions::within(TOLERANCE) };
+    let (_, spent) = time_of_impact(still(&floor), upper, &options).unwrap();
+    assert!(spent.total() < 2 * budget, "{spent:?}");
 }
 
 #[test]
