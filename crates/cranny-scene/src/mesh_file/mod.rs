@@ -1,4 +1,4 @@
-//! Mesh files: seven formats, one result.
+//! Mesh files: many formats, one result.
 //!
 //! Coordinates written as text are read at the full precision of `f64`, whatever the format calls
 //! their type, since every exact decision later reads these numbers. Positions are kept as filed;
