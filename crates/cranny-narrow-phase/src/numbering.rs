@@ -19,8 +19,15 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
+    /// With room for so many keys.
+    pub(crate) fn for_keys(count: usize) -> Self {
+        let size = (2 * count + 2).next_power_of_two();
+        Self { slots: vec![(0, EMPTY); size], len: 0 }
+    }
+
     /// The number of a key, and whether it was named for the first time: it then is the number of
     /// keys named before.
+    #[inline]
     pub(crate) fn number(&mut self, key: u64) -> (u32, bool) {
         if 2 * (self.len as usize + 1) > self.slots.len() {
             self.grow();
@@ -36,6 +43,7 @@ impl Numbering {
     }
 
     /// The number of a key that was named.
+    #[inline]
     pub(crate) fn get(&self, key: u64) -> Option<u32> {
         if self.slots.is_empty() {
             return None;
@@ -45,6 +53,7 @@ impl Numbering {
     }
 
     /// The slot that holds a key, or the empty one where it belongs.
+    #[inline]
     fn slot_of(&self, key: u64) -> usize {
         let mask = self.slots.len() - 1;
         let mut at = (key.wrapping_mul(SPREAD) >> 32) as usize & mask;
@@ -54,6 +63,7 @@ impl Numbering {
         at
     }
 
+    #[cold]
     fn grow(&mut self) {
         let size = (2 * self.slots.len()).max(64);
         let old = std::mem::replace(&mut self.slots, vec![(0, EMPTY); size]);

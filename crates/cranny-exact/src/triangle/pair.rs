@@ -66,6 +66,19 @@ pub struct Crossing {
     pub ends: [CrossingEnd; 2],
 }
 
+impl Crossing {
+    /// The segment between two ends. `rises`: the edge of the first of them, run through as its
+    /// triangle has it, goes from the back of the other triangle to the front.
+    ///
+    /// Where an edge of the first triangle goes to the back of the second, what is behind ends to
+    /// its right: there the segment ends. Seen from the second triangle it runs the other way.
+    #[must_use]
+    pub fn of([one, other]: [CrossingEnd; 2], rises: bool) -> Self {
+        let begins = rises == (one.owner == 0);
+        Self { ends: if begins { [one, other] } else { [other, one] } }
+    }
+}
+
 /// An end of a segment in which two triangles cross: an edge of one pierces the inside of the
 /// other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -164,22 +177,14 @@ impl<'t> CommonLine<'t> {
             Sign::Zero => return None,
             sign => of_a_or_b(sign == Sign::Positive, self.high),
         };
-        let ends = if self.begins(low) { [low, high] } else { [high, low] };
-        Some(Crossing { ends })
+        let rises = self.sides[usize::from(low.owner)][usize::from(low.edge)] == Sign::Negative;
+        Some(Crossing::of([low, high], rises))
     }
 
     fn end(&self, owner: usize, corner: usize) -> CrossingEnd {
         let apex = self.fans[owner].apex;
         let edge = if corner == (apex + 1) % 3 { apex } else { corner };
         CrossingEnd { owner: owner as u8, edge: edge as u8 }
-    }
-
-    /// Whether the segment begins at an end. Where the first triangle's edge, run through as the
-    /// triangle has it, goes to the back of the second, what is behind ends to its right: there the
-    /// segment ends. Seen from the second triangle it runs the other way.
-    fn begins(&self, end: CrossingEnd) -> bool {
-        let inward = self.sides[usize::from(end.owner)][usize::from(end.edge)] == Sign::Positive;
-        inward == (end.owner == 1)
     }
 }
 

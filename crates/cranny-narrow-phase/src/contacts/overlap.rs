@@ -93,11 +93,14 @@ impl<'p, 'm> Overlaps<'p, 'm> {
         }
     }
 
-    /// Whether no contact of two features that is at most so deep counts.
-    fn is_outdone(&self, id: (Feature, Feature), depth: f64) -> bool {
-        let patches = patches_of(self.pair, id);
-        let is_deeper = |group: &Vec<Contact>| group.iter().any(|c| c.separation < -depth);
-        self.groups.get(&patches).is_some_and(is_deeper) && !self.coarse.holds(self.pair, patches)
+    /// How deep a contact of two features is at least that counts.
+    fn counting(&self, patches: [PatchId; 2]) -> f64 {
+        match self.groups.get(&patches) {
+            Some(group) if !self.coarse.holds(self.pair, patches) => {
+                group.iter().map(|contact| -contact.separation).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        }
     }
 }
 
@@ -119,9 +122,10 @@ fn vertices_inside(
         let foot = Feature::of_part(nearest.part, pair.model(side.other()), nearest.face);
         let own = Feature::Vertex(vertex);
         let id = if side == Side::First { (own, foot) } else { (foot, own) };
-        if !found.is_outdone(id, nearest.distance)
-            && let Some(contact) = way_out(pair, side, (vertex, p), (foot, &nearest))
-        {
+        if nearest.distance < found.counting(patches_of(pair, id)) {
+            continue;
+        }
+        if let Some(contact) = way_out(pair, side, (vertex, p), (foot, &nearest)) {
             found.add(contact);
         }
     }
@@ -161,24 +165,30 @@ fn edges_crossing<T: Tally>(
 ) {
     let pair = found.pair;
     let mut crossing: Vec<(EdgeId, EdgeId)> = Vec::new();
+    // Of the patches of the last two edges.
+    let (mut last, mut counting) = ([PatchId(u32::MAX); 2], 0.0);
     for p in meeting {
-        let faces = [p.first, p.second];
-        let bent =
-            Side::BOTH.map(|side| pair.model(side).clusters().owned(faces[side.index()]).bent);
-        if bent.contains(&0) {
+        let (f, g) = (p.first, p.second);
+        let bent = |side: Side, face| pair.model(side).clusters().owned(face).bent;
+        let (own, its) = (bent(Side::First, f), bent(Side::Second, g));
+        if own == 0 || its == 0 {
             continue;
         }
-        let [a, b] = Side::BOTH.map(|side| pair.triangle(side, faces[side.index()]));
+        let (a, b) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
         let sides = |bits: u8| (0..3).filter(move |i| bits >> i & 1 != 0);
-        for i in sides(bent[0]) {
-            for k in sides(bent[1]) {
+        for i in sides(own) {
+            for k in sides(its) {
                 let segments = [[a[i], a[(i + 1) % 3]], [b[k], b[(k + 1) % 3]]];
                 let Some(depth) = may_cross(segments, pair.length_error()) else { continue };
-                let edge = |side: Side, i| pair.edge(side, faces[side.index()], i);
-                let (e, g) = (edge(Side::First, i), edge(Side::Second, k));
-                if !found.is_outdone((Feature::Edge(e), Feature::Edge(g)), depth) {
-                    crossing.push((e, g));
+                let (e, h) = (pair.edge(Side::First, f, i), pair.edge(Side::Second, g, k));
+                let patches = patches_of(pair, (Feature::Edge(e), Feature::Edge(h)));
+                if patches != last {
+                    (last, counting) = (patches, found.counting(patches));
                 }
+                if depth < counting {
+                    continue;
+                }
+                crossing.push((e, h));
             }
         }
     }

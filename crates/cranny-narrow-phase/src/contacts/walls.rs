@@ -110,7 +110,8 @@ fn has_sharp_node(pair: &Pair, intersection: &Intersection, pieces: &RegionPiece
 fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
     let mut faces = pair.topology(side).half_edges(edge).iter().map(|h| h.face());
     let (Some(f), Some(g)) = (faces.next(), faces.next()) else { return false };
-    pair.normal(side, f).dot(pair.normal(side, g)) < SHARP
+    let [n, m] = [f, g].map(|face| pair.mesh(side).area_vector(face));
+    n.dot(m) <= SHARP * (n.length_squared() * m.length_squared()).sqrt()
 }
 
 /// How wide a region is along a direction: no depth along it is larger.

@@ -31,11 +31,12 @@ pub(super) fn vertices_within(
     let mut faces: Vec<FaceId> = meeting.iter().map(own).collect();
     faces.sort_unstable();
     faces.dedup();
-    let mut at_faces = Numbering::default();
+    let mut at_faces = Numbering::for_keys(faces.len());
     let mut start: Vec<VertexId> = faces.into_iter().flat_map(|f| mesh.corners(f)).collect();
     start.retain(|&v| at_faces.number(key(v)).1);
     let cut = edges_that_meet(pair, side, meeting);
-    let mut known = Numbering::default();
+    let sides = if pair.model(side).is_closed() { 1 } else { 2 };
+    let mut known = Numbering::for_keys(start.len());
     let mut found = Vec::new();
     let mut sure: Vec<VertexId> = Vec::new();
     for vertex in start {
@@ -50,7 +51,7 @@ pub(super) fn vertices_within(
                 found.push(v);
             }
             for &face in pair.topology(side).faces_at(v) {
-                for (i, w) in beside(mesh.corners(face), v) {
+                for (i, w) in beside(mesh.corners(face), v).into_iter().take(sides) {
                     // Outside, no farther than the faces that meet.
                     let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
                     let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
@@ -65,18 +66,18 @@ pub(super) fn vertices_within(
     found
 }
 
-/// The other corners of a face, each with the number of the side that leads there.
-fn beside(corners: [VertexId; 3], vertex: VertexId) -> impl Iterator<Item = (usize, VertexId)> {
-    (0..3).filter_map(move |i| match [corners[i], corners[(i + 1) % 3]] {
-        [from, to] if from == vertex && to != vertex => Some((i, to)),
-        [from, to] if from != vertex && to == vertex => Some((i, from)),
-        _ => None,
-    })
+/// The other corners of a face, each with the number of the side that leads there: first the next.
+/// Over all faces at a vertex of a closed surface, the next ones are all beside it.
+#[inline]
+fn beside(corners: [VertexId; 3], vertex: VertexId) -> [(usize, VertexId); 2] {
+    let at = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
+    let (next, last) = ((at + 1) % 3, (at + 2) % 3);
+    [(at, corners[next]), (last, corners[last])]
 }
 
 /// The edges of a body that meet the other surface, numbered.
 fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
-    let (mut tried, mut found) = (Numbering::default(), Numbering::default());
+    let (mut tried, mut found) = (Numbering::default(), Numbering::for_keys(meeting.len()));
     for p in meeting {
         let [own, its] = match side {
             Side::First => [p.first, p.second],

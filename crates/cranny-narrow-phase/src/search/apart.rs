@@ -10,6 +10,7 @@ use cranny_geometry::FaceId;
 use cranny_geometry::clusters::LANES;
 use wide::f32x8;
 
+use super::crossings::Crossings;
 use super::faces::Faced;
 use super::lanes::Wide3;
 
@@ -76,16 +77,50 @@ impl FacePairs {
     /// Takes all pairs out, with certain lower bounds of their distances in the first's lengths:
     /// negative where nothing is known.
     pub(crate) fn take(&mut self) -> impl Iterator<Item = ([FaceId; 2], f32)> {
+        let gaps = self.gaps();
+        let count = std::mem::take(&mut self.count);
+        self.ids.into_iter().zip(gaps).take(count)
+    }
+
+    /// Forgets all pairs.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// The bits of the pairs.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+
+    /// The faces of a pair.
+    #[inline(always)]
+    pub(crate) fn faces(&self, lane: usize) -> [FaceId; 2] {
+        self.ids[lane]
+    }
+
+    /// Certain lower bounds of distances in the first's lengths: negative where nothing is known.
+    pub(crate) fn gaps(&self) -> [f32; LANES] {
+        let [own, its] = self.triangles();
+        let gap = apart(&own, &its);
+        let gap = gap.fast_max(f32x8::from(self.known)) - f32x8::from(self.error);
+        // Of what overflowed nothing is certain.
+        gap.to_array().map(|gap| gap.max(f32::NEG_INFINITY))
+    }
+
+    /// Which certainly cross, and which certainly do not meet.
+    pub(crate) fn crossings(&self) -> Crossings {
+        let [own, its] = self.triangles();
+        Crossings::of(&own, &its, f32x8::from(self.error))
+    }
+
+    #[inline(always)]
+    fn triangles(&self) -> [[Wide3; 3]; 2] {
         let corner = |i: usize| {
             let [x, y, z] = self.corners[i];
             Wide3 { x: f32x8::from(x), y: f32x8::from(y), z: f32x8::from(z) }
         };
-        let gap = apart(&[corner(0), corner(1), corner(2)], &[corner(3), corner(4), corner(5)]);
-        let gap = gap.fast_max(f32x8::from(self.known)) - f32x8::from(self.error);
-        let count = std::mem::take(&mut self.count);
-        // Of what overflowed nothing is certain.
-        let certain = gap.to_array().map(|gap| gap.max(f32::NEG_INFINITY));
-        self.ids.into_iter().zip(certain).take(count)
+        [[corner(0), corner(1), corner(2)], [corner(3), corner(4), corner(5)]]
     }
 }
 

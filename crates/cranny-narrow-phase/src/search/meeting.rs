@@ -2,9 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use cranny_exact::Meeting;
+use cranny_exact::{Arithmetic, Crossing, Meeting};
 use cranny_geometry::FaceId;
-use cranny_geometry::clusters::LANES;
 
 use super::apart::FacePairs;
 use super::closing::Closing;
@@ -26,6 +25,16 @@ const WORTH: f64 = 4.0;
 /// Queries in which they are not measured after it was not worth it.
 const HURRY: u8 = 24;
 
+/// What of faces that do not meet is wanted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Wants {
+    Nothing,
+    /// How far apart they are, where single precision says it.
+    Bounds,
+    /// How far apart they are.
+    Distances,
+}
+
 struct Meetings<'g, 'p, 'm> {
     ground: &'g Ground<'m>,
     pair: &'p Pair<'m>,
@@ -33,7 +42,8 @@ struct Meetings<'g, 'p, 'm> {
     ends_at_crossing: bool,
     surface: Surface,
     found: Vec<FacePair>,
-    /// That planes do not part, and that are to be looked at.
+    /// That planes do not part, and that are to be looked at: of several clusters where nothing is
+    /// wanted of them at once.
     pairs: FacePairs,
 }
 
@@ -44,9 +54,10 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 
     /// The verdict, and the faces that meet by ascending ids.
-    fn into_found(self) -> (Surface, Vec<FacePair>) {
+    fn finish(mut self, counters: &mut impl Tally) -> (Surface, Vec<FacePair>) {
+        self.judge(0.0, Wants::Nothing, counters);
         let Self { surface, mut found, .. } = self;
-        found.sort_unstable();
+        found.sort_unstable_by_key(|pair| u64::from(pair.first.0) << 32 | u64::from(pair.second.0));
         (surface, found)
     }
 
@@ -62,6 +73,19 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
         found.is_some()
     }
 
+    /// Takes note of two faces that certainly cross.
+    fn cross(
+        &mut self,
+        [first, second]: [FaceId; 2],
+        crossing: Option<Crossing>,
+        counters: &mut impl Tally,
+    ) {
+        counters.faces([first, second]);
+        counters.judged(Arithmetic::Filter);
+        self.surface = Meeting::Cross;
+        self.found.push(FacePair { first, second, meeting: Meeting::Cross, crossing });
+    }
+
     /// A lower bound of how far two faces that do not meet are apart.
     fn measured(&self, f: FaceId, g: FaceId, counters: &mut impl Tally) -> f64 {
         counters.faces([f, g]);
@@ -71,16 +95,16 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 
     /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces
-    /// that nothing parts in single precision are measured for it where `measures`, and count as
-    /// meeting where not.
+    /// of which no more is known than `wants` asks for count as meeting.
     fn separation(
         &mut self,
         clusters: [u32; 2],
-        (reach, measures): (f64, bool),
+        (reach, wants): (f64, Wants),
         counters: &mut impl Tally,
     ) -> f64 {
         let faced = Faced::of(self.ground, clusters);
         let (mut least, mut its) = (reach, None);
+        let is_judged_at_once = wants > Wants::Nothing || self.ends_at_crossing;
         for lane in 0..faced.count() {
             let (near, gaps) = faced.near(lane, faced.bound(least));
             if near == 0 {
@@ -94,45 +118,78 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
                     least = least.min(gap);
                     continue;
                 }
+                if its.is_none() && is_judged_at_once {
+                    // What is left of other clusters.
+                    self.judge(0.0, Wants::Nothing, counters);
+                }
                 let its = its.get_or_insert_with(|| faced.its());
                 self.pairs.push(&faced, (lane, &own), (other, its), gaps[other]);
                 if self.pairs.is_full() {
-                    least = self.judge(least, measures, counters);
+                    least = self.judge(least, wants, counters);
                 }
             }
         }
-        if self.pairs.is_empty() { least } else { self.judge(least, measures, counters) }
+        match its {
+            None => least,
+            Some(_) if is_judged_at_once => self.judge(least, wants, counters),
+            Some(_) => 0.0,
+        }
     }
 
     /// Looks at the faces that were noted, of two clusters that are `least` apart but for these;
     /// returns how far apart they are with these.
-    fn judge(&mut self, mut least: f64, measures: bool, counters: &mut impl Tally) -> f64 {
-        let unit = self.ground.tree(Side::First).unit();
-        let mut near = [(0.0, [FaceId(0); 2]); LANES];
-        let mut count = 0;
-        for (faces, gap) in self.pairs.take() {
-            let gap = f64::from(gap.next_down()) * unit;
-            if gap > 0.0 {
-                least = least.min(gap);
-            } else {
-                near[count] = (gap, faces);
-                count += 1;
+    fn judge(&mut self, mut least: f64, wants: Wants, counters: &mut impl Tally) -> f64 {
+        if self.pairs.is_empty() {
+            return least;
+        }
+        let mut left = self.pairs.lanes();
+        if wants > Wants::Nothing {
+            left = self.part(left, &mut least);
+        }
+        if left != 0 {
+            let crossings = self.pairs.crossings();
+            for lane in lanes_of(left & crossings.crossing()) {
+                self.cross(self.pairs.faces(lane), crossings.at(lane), counters);
+                if self.ends_at_crossing {
+                    break;
+                }
+            }
+            let mut unknown = left & !crossings.crossing() & !crossings.apart();
+            if unknown != 0 && wants == Wants::Nothing && !self.is_done() {
+                unknown = self.part(unknown, &mut least);
+            }
+            if left & crossings.crossing() != 0 || wants < Wants::Distances {
+                least = 0.0;
+            }
+            for lane in lanes_of(left & crossings.apart() | unknown) {
+                let [f, g] = self.pairs.faces(lane);
+                if self.is_done() {
+                    break;
+                }
+                if unknown >> lane & 1 != 0 && self.look(f, g, counters) {
+                    least = 0.0;
+                }
+                if least > 0.0 {
+                    least = least.min(self.measured(f, g, counters));
+                }
             }
         }
-        let near = &mut near[..count];
-        if self.ends_at_crossing {
-            // What seems to overlap most is likeliest to cross.
-            near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        }
-        for &(_, [f, g]) in near.iter() {
-            if self.is_done() {
-                break;
-            }
-            let meet = self.look(f, g, counters);
-            let measures = measures && !meet && least > 0.0;
-            least = if measures { least.min(self.measured(f, g, counters)) } else { 0.0 };
-        }
+        self.pairs.clear();
         least
+    }
+
+    /// Leaves out pairs that single precision parts, and notes by how much.
+    fn part(&self, mut lanes: u32, least: &mut f64) -> u32 {
+        let unit = self.ground.tree(Side::First).unit();
+        let gaps = self.pairs.gaps();
+        for lane in lanes_of(lanes) {
+            let gap = f64::from(gaps[lane].next_down()) * unit;
+            if gap > 0.0 {
+                *least = least.min(gap);
+                lanes &= !(1 << lane);
+            }
+        }
+        lanes
     }
 }
 
@@ -151,7 +208,7 @@ impl Visitor for Meetings<'_, '_, '_> {
         if self.ground.are_parted_by_normals(clusters) {
             return ControlFlow::Continue(());
         }
-        self.separation(clusters, (0.0, false), counters);
+        self.separation(clusters, (0.0, Wants::Nothing), counters);
         if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
@@ -166,7 +223,7 @@ fn search(
     let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     // Who ends it knows.
     let _ = descend(ground, stack, &mut meetings, counters);
-    meetings.into_found()
+    meetings.finish(counters)
 }
 
 /// All pairs of faces that meet, by ascending ids.
@@ -227,21 +284,26 @@ pub(crate) fn meetings_in(
             stayed_apart &= i >= held || was_parted && leaf.direction == direction;
             continue;
         }
-        let measures = leaf.hurry == 0;
+        let wants = match (leaf.hurry, leaf.met) {
+            (0, _) => Wants::Distances,
+            (_, false) => Wants::Bounds,
+            (_, true) => Wants::Nothing,
+        };
         leaf.hurry = leaf.hurry.saturating_sub(1);
-        let separation = meetings.separation(leaf.pair, (reach, measures), counters);
+        let separation = meetings.separation(leaf.pair, (reach, wants), counters);
         // So far as they were at one end of the way, and are at the other, they cannot have met
         // while motion spent less than both.
         stayed_apart &= i >= held || separation - 2.0 * posing + left > 0.0;
         spent.note(leaf, separation, posing);
-        if measures && separation <= WORTH * step {
-            leaf.hurry = HURRY;
+        if wants == Wants::Distances {
+            leaf.met = separation <= 0.0;
+            leaf.hurry = if separation <= WORTH * step { HURRY } else { 0 };
         }
         if meetings.is_done() {
             break;
         }
     }
-    let (surface, found) = meetings.into_found();
+    let (surface, found) = meetings.finish(counters);
     (surface, found, StayedApart(stayed_apart))
 }
 
@@ -304,7 +366,7 @@ pub(crate) fn near_clusters(
     let mut listing = Listing { meetings, lists, closing, meets, listed };
     // Nothing ends it.
     let _ = descend(ground, stack, &mut listing, counters);
-    listing.meetings.into_found()
+    listing.meetings.finish(counters)
 }
 
 /// Lists pairs of clusters of a cut.

@@ -2,15 +2,16 @@
 //!
 //! `ground` places the two trees; `descent` goes down both at once and hands over pairs of clusters
 //! within reach, the nearest first, to a visitor that may shrink its reach or end the descent.
-//! `faces` compares the faces of two clusters, eight at a time; `apart` bounds the distances of
-//! eight pairs of them; `features` finds which of their
-//! vertices and ridges may make contacts. A `cut` is where a descent ended, `kept` from query to
-//! query where that pays. `closing` bounds how far contacts count that motion has to close. All of
-//! this is in single precision and keeps too much, never too little: double precision or exact
-//! arithmetic decides.
+//! `faces` compares the faces of two clusters, eight at a time; of eight pairs of them, `apart`
+//! bounds the distances and `crossings` says which cross; `features` finds which of their vertices
+//! and ridges may make contacts. A `cut` is where a descent ended, `kept` from query to query where
+//! that pays. `closing` bounds how far contacts count that motion has to close. All of this is in
+//! single precision and keeps too much, never too little: what is not certain, double precision or
+//! exact arithmetic decides.
 
 mod apart;
 mod closing;
+mod crossings;
 mod cut;
 mod descent;
 mod faces;

@@ -25,6 +25,8 @@ pub(crate) struct Leaf {
     /// Queries in which faces that planes do not part are not measured, since what they were apart
     /// was spent too soon.
     pub(super) hurry: u8,
+    /// Faces met when they were measured last.
+    pub(super) met: bool,
     /// While slack is left, `direction` parts them.
     pub(super) is_parted: bool,
     /// What motion must spend before they can be nearer than a reach.
@@ -34,7 +36,7 @@ pub(crate) struct Leaf {
 impl Leaf {
     pub(crate) fn new(pair: [u32; 2], radius: f64) -> Self {
         let due = Due { radius, limit: f64::NEG_INFINITY };
-        Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, is_parted: false, due }
+        Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, met: false, is_parted: false, due }
     }
 }
 

@@ -139,6 +139,77 @@ fn bounds_of_faces_are_certain_and_close() {
     assert!(all > 1_000 && met > 0 && close * 10 > all * 9, "{close} of {all}, {met}");
 }
 
+/// Eight at a time, what is certain is true, and little is left to exact arithmetic but what hardly
+/// meets or hardly misses.
+#[test]
+fn crossings_are_certain_and_many() {
+    let bodies = bodies();
+    let mut rng = Rng::new(77);
+    let (mut all, mut crossing, mut apart, mut left) = (0, 0, 0, 0);
+    for round in 0..240 {
+        let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
+        let size = a.radius() + b.radius();
+        // Also where they stand square to each other, off by hardly anything, and far from where
+        // their coordinates begin.
+        let turn = DQuat::from_axis_angle(rng.direction(), f64::from(round % 3));
+        let translation = match round % 4 {
+            0 => DVec3::new(0.25, 0.5, 0.25) * size * rng.unit().round(),
+            1 => DVec3::new(0.25, 0.25, 0.0) + 1e-7 * rng.unit() * rng.direction(),
+            _ => 0.5 * rng.unit() * size * rng.direction(),
+        };
+        let far = if round % 5 == 0 { 1e4 * rng.direction() } else { DVec3::ZERO };
+        let (a, b) = (
+            Placed { model: a, pose: Pose::at(far) },
+            Placed { model: b, pose: Pose { rotation: turn, translation: far + translation } },
+        );
+        let pair = Pair::of_accepted(a, b);
+        let ground = Ground::of(&pair);
+        let mut pairs = FacePairs::new();
+        let mut check = |pairs: &mut FacePairs| {
+            let crossings = pairs.crossings();
+            for lane in lanes_of(pairs.lanes()) {
+                let [f, g] = pairs.faces(lane);
+                let truth = looked_at(&pair, f, g, &mut Counters::default());
+                all += 1;
+                if crossings.crossing() >> lane & 1 != 0 {
+                    let known = truth.and_then(|found| found.crossing);
+                    assert!(known.is_some(), "round {round}: {truth:?}");
+                    assert_eq!(crossings.at(lane), known, "round {round}");
+                    crossing += 1;
+                } else if crossings.apart() >> lane & 1 != 0 {
+                    assert_eq!(truth, None, "round {round}");
+                    apart += 1;
+                } else if round % 4 > 1 {
+                    left += 1;
+                }
+            }
+            pairs.clear();
+        };
+        let count = |side: Side| ground.tree(side).clusters().len() as u32;
+        for clusters in
+            (0..count(Side::First)).flat_map(|i| (0..count(Side::Second)).map(move |j| [i, j]))
+        {
+            let faced = Faced::of(&ground, clusters);
+            let its = faced.its();
+            for lane in 0..faced.count() {
+                let (near, gaps) = faced.near(lane, faced.bound(0.02 * size));
+                for other in lanes_of(near) {
+                    let known = gaps.to_array()[other];
+                    pairs.push(&faced, (lane, &faced.own(lane)), (other, &its), known);
+                    if pairs.is_full() {
+                        check(&mut pairs);
+                    }
+                }
+            }
+        }
+        check(&mut pairs);
+    }
+    assert!(
+        crossing > 2_000 && apart > 5_000 && 100 * left < all,
+        "{all}: {crossing}, {apart}, {left}"
+    );
+}
+
 /// A body wanders about another, by small steps and large ones, with rests: a cut lists all
 /// clusters within its reach, what it says that is left between clusters is there, what is found in
 /// it is what is found without, and where it says that surfaces stayed apart, what lies inside what
