@@ -219,8 +219,10 @@ impl ContactMemory {
                 self.backoff.failed();
             }
         }
-        self.candidates
-            .sort_unstable_by(|x, y| x.patches.cmp(&y.patches).then(x.bound.total_cmp(&y.bound)));
+        let patches = |c: &Candidate| u64::from(c.patches[0].0) << 32 | u64::from(c.patches[1].0);
+        self.candidates.sort_unstable_by(|x, y| {
+            patches(x).cmp(&patches(y)).then_with(|| x.bound.total_cmp(&y.bound))
+        });
         self.divide();
     }
 

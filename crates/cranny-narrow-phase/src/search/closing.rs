@@ -52,10 +52,11 @@ impl Screw {
     /// For wrenches of a box.
     #[inline(always)]
     fn closing(&self, wrenches: &WrenchBox) -> f32 {
-        let most = |i: usize, by: f32| (by * wrenches.least[i]).max(by * wrenches.most[i]);
+        let greater = |x: f32, y: f32| if x > y { x } else { y };
+        let most = |i: usize, by: f32| greater(by * wrenches.least[i], by * wrenches.most[i]);
         let (mut linear, mut turning) = (self.spare, 0.0);
         for i in 0..3 {
-            let size = (-wrenches.least[i]).max(wrenches.most[i]);
+            let size = greater(-wrenches.least[i], wrenches.most[i]);
             linear += most(i, self.linear[i]) + self.spread[i] * size;
         }
         for i in 0..WRENCH {
@@ -115,10 +116,10 @@ impl Closing {
     #[inline]
     pub(crate) fn of_clusters(&self, ground: &Ground, clusters: [u32; 2]) -> f64 {
         let Some(screws) = &self.screws else { return f64::from(self.within) };
-        let closing = [0, 1].map(|i: usize| {
+        let closing = |i: usize| {
             screws[i].closing(&ground.trees[i].clusters()[clusters[i] as usize].wrenches)
-        });
-        f64::from(closing[0].max(closing[1]).max(self.margin).min(self.within))
+        };
+        f64::from(closing(0).max(closing(1)).max(self.margin).min(self.within))
     }
 
     /// How far those count at the lanes of a side's node, by that side's motion alone.

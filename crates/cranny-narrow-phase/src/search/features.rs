@@ -264,7 +264,7 @@ pub(crate) fn add_candidates(
     let trees = ground.trees;
     let placing = ground.into(Side::Second);
     turned.set(trees[0], pair[0], placing);
-    let [a, b] = [0, 1].map(|i: usize| &trees[i].clusters()[pair[i] as usize]);
+    let (a, b) = (&trees[0].clusters()[pair[0] as usize], &trees[1].clusters()[pair[1] as usize]);
     // From the second's centre to the first's.
     let offset = ground.between(Side::Second, b, a);
     let unit = trees[1].unit();
@@ -379,7 +379,8 @@ impl Before<'_> {
             let p = lane_of(&arrays, lane);
             let height = faces.normal.dot(&p);
             let above = (height - faces.top).fast_max(faces.bottom - height).fast_max(zero);
-            let [x, y, z] = [0, 1, 2].map(|i: usize| faces.sides[i].dot(&p) - faces.ends[i]);
+            let out = |i: usize| faces.sides[i].dot(&p) - faces.ends[i];
+            let [x, y, z] = [out(0), out(1), out(2)];
             let beside = x.fast_max(y).fast_max(z).fast_max(zero);
             let far = f32x8::splat(reach);
             let mut near = within(above, far) & within(beside, far) & self.lanes.mask();

@@ -233,8 +233,8 @@ fn face_gaps(cluster: &Cluster, from: [f32; 3]) -> f32x8 {
     let zero = f32x8::splat(0.0);
     let height = p.dot(&Wide3::of(&faces.normal));
     let above = (height - wide(&faces.top)).fast_max(wide(&faces.bottom) - height).fast_max(zero);
-    let [x, y, z] =
-        [0, 1, 2].map(|i: usize| p.dot(&Wide3::of(&faces.sides[i])) - wide(&faces.ends[i]));
+    let out = |i: usize| p.dot(&Wide3::of(&faces.sides[i])) - wide(&faces.ends[i]);
+    let [x, y, z] = [out(0), out(1), out(2)];
     let beside = x.fast_max(y).fast_max(z).fast_max(zero);
     (above * above + beside * beside).sqrt()
 }
