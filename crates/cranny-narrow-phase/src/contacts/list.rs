@@ -16,7 +16,9 @@ use crate::backoff::Backoff;
 use crate::coherent::Coherent;
 use crate::motion::RelativeMotion;
 use crate::pair::{Pair, PairTag, Side};
-use crate::search::{Candidate, Closing, Ground, Kind, Lasting, Lists, Turned, add_candidates};
+use crate::search::{
+    Candidate, Closing, Ground, Kind, Lasting, Lists, PatchPairs, Turned, add_candidates,
+};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 use cranny_geometry::triangle_distance::Part;
@@ -202,12 +204,14 @@ impl ContactMemory {
         self.candidates.clear();
         self.turned.clear();
         clusters.sort_unstable();
+        let mut patches = PatchPairs::default();
         for &pair in clusters.iter() {
             counters.clusters(pair);
             let margin =
                 closing.map_or(lasting.margin, |closing| closing.of_clusters(ground, pair));
             let lasting = Lasting { margin, ..lasting };
-            add_candidates(ground, pair, lasting, &mut self.turned, &mut self.candidates);
+            let found = (&mut patches, &mut self.candidates);
+            add_candidates(ground, pair, lasting, &mut self.turned, found);
         }
         self.moved = 0.0;
         self.skin = None;
@@ -219,11 +223,7 @@ impl ContactMemory {
                 self.backoff.failed();
             }
         }
-        let patches = |c: &Candidate| u64::from(c.patches[0].0) << 32 | u64::from(c.patches[1].0);
-        self.candidates.sort_unstable_by(|x, y| {
-            patches(x).cmp(&patches(y)).then_with(|| x.bound.total_cmp(&y.bound))
-        });
-        self.divide();
+        self.divide(&patches);
     }
 
     /// Remembers who won in each pair of patches.
@@ -234,19 +234,18 @@ impl ContactMemory {
         winners.extend(won.map(|range| (range.patches, candidates[range.winner as usize])));
     }
 
-    /// Finds where each pair of patches begins, and last query's winners among its candidates.
-    fn divide(&mut self) {
+    /// Puts candidates of the same patches side by side, and finds last query's winners among them.
+    fn divide(&mut self, patches: &PatchPairs) {
         let Self { candidates, ranges, winners, .. } = self;
         ranges.clear();
         let mut known = winners.iter().peekable();
         let mut start = 0;
-        for group in candidates.chunk_by(|x, y| x.patches == y.patches) {
-            let patches = group[0].patches;
+        for (patches, end) in patches.gather(candidates) {
             while known.next_if(|(p, _)| *p < patches).is_some() {}
+            let group = &candidates[start as usize..end as usize];
             let won = known.next_if(|(p, _)| *p == patches).and_then(|(_, won)| {
                 group.iter().position(|c| c.ids == won.ids && c.kind == won.kind)
             });
-            let end = start + group.len() as u32;
             let winner = won.map_or(u32::MAX, |at| start + at as u32);
             ranges.push(Range { patches, start, end, winner });
             start = end;
@@ -309,17 +308,10 @@ impl<T: Tally> Group<'_, '_, '_, T> {
     pub(super) fn nearest(&mut self) -> Option<Contact> {
         let mut best: Option<Contact> = None;
         let mut limit = self.wanted.farthest();
-        let won = (self.range.winner as usize).wrapping_sub(self.range.start as usize);
-        if let Some(candidate) = self.list.get(won) {
-            self.counters.features(candidate.features());
-            best = self.contact(candidate, limit);
-            limit = best.map_or(limit, |best| best.separation.max(0.0));
-        }
-        for (at, candidate) in self.list.iter().enumerate() {
+        let first = self.first();
+        for at in std::iter::once(first).chain((0..self.list.len()).filter(|&at| at != first)) {
+            let candidate = &self.list[at];
             if self.bound(candidate) > limit {
-                break;
-            }
-            if at == won {
                 continue;
             }
             self.counters.features(candidate.features());
@@ -334,12 +326,22 @@ impl<T: Tally> Group<'_, '_, '_, T> {
         best.filter(|contact| self.wanted.holds(contact))
     }
 
+    /// The candidate that won last, or one of the least bound.
+    fn first(&self) -> usize {
+        let won = (self.range.winner as usize).wrapping_sub(self.range.start as usize);
+        if won < self.list.len() {
+            return won;
+        }
+        let bounds = self.list.iter().map(|candidate| candidate.bound).enumerate();
+        bounds.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(at, _)| at)
+    }
+
     /// All contacts that count.
     pub(super) fn all(&mut self, all: &mut Vec<Contact>) {
         let farthest = self.wanted.farthest();
         for candidate in self.list {
             if self.bound(candidate) > farthest {
-                break;
+                continue;
             }
             self.counters.features(candidate.features());
             let found = self.contact(candidate, farthest);

@@ -11,8 +11,8 @@
 //! these do not say how deep, `walls` have the contacts of their region.
 //!
 //! The search hands over candidates, pairs of features with a lower bound of their distance; they
-//! are listed by pairs of patches, and evaluated by ascending bounds until no other can win
-//! (`list`). While bodies move little, the list lasts.
+//! are listed by pairs of patches, and of each pair those are evaluated that can still win, last
+//! query's winner first (`list`). While bodies move little, the list lasts.
 //!
 //! The answer is a function of models, poses and margin: memory holds what cannot be left out, and
 //! where to begin.

@@ -10,11 +10,12 @@
 //! `skin` and turned by `turn`.
 
 use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, RidgeLanes};
-use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
+use cranny_geometry::{EdgeId, FaceId, VertexId};
 use wide::f32x8;
 
 use super::ground::{Ground, Placing, rounding};
 use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
+use super::patch_pairs::PatchPairs;
 use crate::answer::Feature;
 use crate::pair::Side;
 
@@ -32,7 +33,8 @@ pub(crate) enum Kind {
 /// Two features that may make a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
-    pub(crate) patches: [PatchId; 2],
+    /// Which pair of patches, by its number.
+    pub(crate) patches: u32,
     /// The numbers of the features, of the first body and of the second.
     pub(crate) ids: [u32; 2],
     /// No contact of theirs is nearer than this, in the second body's lengths.
@@ -259,7 +261,7 @@ pub(crate) fn add_candidates(
     pair: [u32; 2],
     lasting: Lasting,
     turned: &mut Turned,
-    found: &mut Vec<Candidate>,
+    (patches, found): (&mut PatchPairs, &mut Vec<Candidate>),
 ) {
     let trees = ground.trees;
     let placing = ground.into(Side::Second);
@@ -287,7 +289,7 @@ pub(crate) fn add_candidates(
         let before = Before { lanes: &b.faces, faces: &its, room: &room };
         before.corners(block, &points.plus(&forth), limits, |lane, face, bound| {
             found.push(Candidate {
-                patches: [block.patches[lane], b.faces.patches[face]],
+                patches: patches.one_more([block.patches[lane], b.faces.patches[face]]),
                 ids: [block.ids[lane].0, b.faces.ids[face].0],
                 bound,
                 reach: far,
@@ -303,7 +305,7 @@ pub(crate) fn add_candidates(
             limits,
             |lane, face, bound| {
                 found.push(Candidate {
-                    patches: [a.faces.patches[face], block.patches[lane]],
+                    patches: patches.one_more([a.faces.patches[face], block.patches[lane]]),
                     ids: [a.faces.ids[face].0, block.ids[lane].0],
                     bound,
                     reach: far,
@@ -331,7 +333,7 @@ pub(crate) fn add_candidates(
             for other in others {
                 edge.before(other, limits, |k, bound| {
                     found.push(Candidate {
-                        patches: [block.patches[lane], other.patches[k]],
+                        patches: patches.one_more([block.patches[lane], other.patches[k]]),
                         ids: [block.ids[lane].0, other.ids[k].0],
                         bound,
                         reach: far,

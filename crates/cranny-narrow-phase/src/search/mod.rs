@@ -22,6 +22,7 @@ mod lanes;
 mod meeting;
 mod nearest;
 mod parted;
+mod patch_pairs;
 mod point;
 
 pub(crate) use self::closing::Closing;
@@ -33,6 +34,7 @@ pub(crate) use self::meeting::{
     Lists, first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
+pub(crate) use self::patch_pairs::PatchPairs;
 pub(crate) use self::point::Vicinity;
 
 #[cfg(test)]

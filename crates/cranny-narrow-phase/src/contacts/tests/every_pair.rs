@@ -37,8 +37,7 @@ pub(super) fn of_all_pairs(pair: &Pair, margin: f64) -> Vec<Contact> {
     let mut found = Vec::new();
     for (kind, own, its) in kinds {
         for ids in (0..own).flat_map(|i| (0..its).map(move |k| [i, k])) {
-            let candidate =
-                Candidate { patches: [PatchId(0); 2], ids, bound: 0.0, reach: f32::INFINITY, kind };
+            let candidate = Candidate { patches: 0, ids, bound: 0.0, reach: f32::INFINITY, kind };
             found.extend(list::contact(pair, &candidate, margin));
         }
     }
