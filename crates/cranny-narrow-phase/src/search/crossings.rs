@@ -1,10 +1,10 @@
 //! Which triangles cross, eight pairs at once, as far as single precision is certain.
 //!
 //! An edge pierces a triangle where its ends lie on two sides of the plane, and its line goes round
-//! all three sides of the triangle the same way. Both are signs of determinants of four corners, and
-//! a sign is certain where the determinant is larger than what it may be off by. Triangles of which
-//! no edge pierces the other do not meet. Else, in general position, two edges do, and the triangles
-//! cross between these. What is not certain is left to exact arithmetic.
+//! all three sides of the triangle the same way. Both are signs of determinants of four corners,
+//! and a sign is certain where the determinant is larger than what it may be off by. Triangles of
+//! which no edge pierces the other do not meet. Else, in general position, two edges do, and the
+//! triangles cross between these. What is not certain is left to exact arithmetic.
 //!
 //! How lines go round each other: Plücker coordinates, as Shevtsov, Soupikov and Kapustin (2007)
 //! use them for rays.
