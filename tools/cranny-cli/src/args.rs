@@ -26,7 +26,7 @@ pub(crate) use scene::{
     RunArgs, SetArgs, SubstepsArg,
 };
 use show::show;
-pub(crate) use show::{Axis, Show, Up};
+pub(crate) use show::{CutAxis, Show, Up};
 pub(crate) use stability::StabilityArgs;
 pub(crate) use verify::VerifyArgs;
 
@@ -266,9 +266,10 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
     pub(crate) up: Option<Up>,
 
-    /// Cut the body open in the picture: across this axis of the mesh, through the middle of its box
+    /// Cut the body open in the picture: across this axis of the mesh, through the middle of its
+    /// box
     #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
-    pub(crate) cut: Option<Axis>,
+    pub(crate) cut: Option<CutAxis>,
 
     /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without
     /// preparing it again

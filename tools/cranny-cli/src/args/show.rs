@@ -59,7 +59,7 @@ impl Up {
 
 /// An axis of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Axis {
+pub(crate) enum CutAxis {
     /// x
     X,
     /// y
@@ -68,7 +68,7 @@ pub(crate) enum Axis {
     Z,
 }
 
-impl Axis {
+impl CutAxis {
     /// The unit vector.
     pub(crate) fn direction(self) -> DVec3 {
         match self {

@@ -14,7 +14,7 @@ use cranny_concavity::Concavities;
 use cranny_geometry::{Finding, Model};
 use cranny_render::DrawMeshError;
 
-use crate::args::{Axis, Show, Up};
+use crate::args::{CutAxis, Show, Up};
 use crate::picture::{self, Drawing, Trouble};
 use canvas::Canvas;
 
@@ -26,7 +26,7 @@ pub(super) struct View {
     /// Which axis of the model points up.
     pub(super) up: Up,
     /// Across which axis of the model it is cut open.
-    pub(super) cut: Option<Axis>,
+    pub(super) cut: Option<CutAxis>,
 }
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
@@ -204,7 +204,7 @@ mod tests {
     fn what_is_before_a_cut_is_taken_away() {
         let (model, report) = Model::build(cup(), &BuildOptions::default()).unwrap();
         let concavities = Concavities::of(&model);
-        for (show, cut) in [(Show::Classes, Axis::Y), (Show::Envelope(0), Axis::X)] {
+        for (show, cut) in [(Show::Classes, CutAxis::Y), (Show::Envelope(0), CutAxis::X)] {
             let view = View { show, up: Up::Z, cut: Some(cut) };
             let (drawing, _) = drawing(&model, &concavities, &report.findings, view).unwrap();
             let list = drawing.list;

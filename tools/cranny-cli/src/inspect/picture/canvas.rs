@@ -34,8 +34,8 @@ const HIDDEN: u8 = 70;
 /// Opacity of caps and envelopes.
 const GLASS: u8 = 110;
 
-/// Corners that are nearer to a cut than this share of the body's size lie in it: those of a clipped
-/// polygon are off by rounding.
+/// Corners that are nearer to a cut than this share of the body's size lie in it: those of a
+/// clipped polygon are off by rounding.
 const FLAT: f64 = 1e-12;
 
 /// So many things of one colour are named in a legend; the others are counted.
