@@ -173,6 +173,11 @@ pub(crate) struct QueryArgs {
     /// Add to each line what proves its verdict; `cranny verify` checks it
     #[arg(long)]
     pub(crate) certificate: bool,
+
+    /// Paint what the search of the last pose compares on both meshes: each by itself, seen from
+    /// the side of the other
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) heat: Option<PathBuf>,
 }
 
 /// How the triangles that meet are found.

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use cranny_exact::{Aabb, DVec3};
 use cranny_render::{
-    Camera, DrawList, DrawMeshError, Image, ImageSize, Key, Panel, Preset, RenderError, Renderer,
-    RendererOptions, Section, Sheet, text_width,
+    Camera, CameraError, DrawList, DrawMeshError, Image, ImageError, ImageSize, Key, Panel, Preset,
+    RenderError, Renderer, RendererOptions, Section, Sheet, text_width,
 };
 
 use crate::failure::Failure;
@@ -21,10 +21,28 @@ const WORDS: f32 = 14.0;
 /// Pixels that words below a picture leave free.
 const MARGIN: f32 = 20.0;
 
+/// A picture of several side by side.
+#[derive(Clone, Debug)]
+pub(crate) struct PictureView {
+    pub(crate) list: DrawList,
+    /// Written in its corner; empty for nothing.
+    pub(crate) title: String,
+    /// Where the camera is, seen from what is drawn.
+    pub(crate) from: DVec3,
+}
+
+impl PictureView {
+    /// A whole scene.
+    pub(crate) fn of(list: DrawList) -> Self {
+        Self { list, title: String::new(), from: Preset::Isometric.direction() }
+    }
+}
+
 /// What is drawn, and the words about it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drawing {
-    pub(crate) list: DrawList,
+    /// From left to right.
+    pub(crate) views: Vec<PictureView>,
     /// Above the picture; empty for a picture without words.
     pub(crate) title: String,
     /// Marks and what they mean.
@@ -58,22 +76,19 @@ pub(crate) fn draw(
     let failed = |error: &dyn Display| {
         Trouble::Failed(Failure::run(format!("picture {}: {error}", path.display())))
     };
-    let size = ImageSize::new(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
     let drawing = listed().map_err(|error| failed(&error))?;
-    let list = &drawing.list;
-    let camera = match &list.section {
-        Some(section) => {
-            Camera::fitted_from(facing(section), &behind(section, &list.bounds()), size)
-        }
-        None => Camera::fitted_to(Preset::Isometric, list, size),
-    };
-    let camera = camera.map_err(|error| failed(&error))?;
     tracing::info!("{}: drawing with {}", path.display(), renderer.adapter_name());
-    let image = renderer.render(list, &camera, size).map_err(|error| failed(&error))?;
-    let image = match drawing.title.is_empty() {
-        true => image,
-        false => drawing.page(image, &camera).map_err(|error| failed(&error))?,
-    };
+    let width = SIZE[0] / drawing.views.len().max(1) as u32;
+    let size = ImageSize::new(width, SIZE[1]).map_err(|error| failed(&error))?;
+    let mut panels = Vec::new();
+    for view in &drawing.views {
+        let camera = view.camera(size).map_err(|error| failed(&error))?;
+        let image = renderer.render(&view.list, &camera, size).map_err(|error| failed(&error))?;
+        let high = 2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan();
+        let scale = Some(high / f64::from(size.height()));
+        panels.push(Panel { image, title: view.title.clone(), scale });
+    }
+    let image = drawing.page(panels).map_err(|error| failed(&error))?;
     image.save_png(path).map_err(|error| {
         let advice = "Check the folder, its rights and its space, or choose another.";
         Trouble::Failed(Failure::run(format!("picture: {error}. {advice}")))
@@ -82,15 +97,28 @@ pub(crate) fn draw(
     Ok(())
 }
 
+impl PictureView {
+    fn camera(&self, size: ImageSize) -> Result<Camera, CameraError> {
+        match &self.list.section {
+            Some(section) => {
+                Camera::fitted_from(facing(section), &behind(section, &self.list.bounds()), size)
+            }
+            None if self.from == Preset::Isometric.direction() => {
+                Camera::fitted_to(Preset::Isometric, &self.list, size)
+            }
+            None => Camera::fitted_from(self.from, &self.list.bounds(), size),
+        }
+    }
+}
+
 impl Drawing {
-    /// The picture with its words.
-    fn page(self, image: Image, camera: &Camera) -> Result<Image, cranny_render::ImageError> {
-        let size = image.size();
-        let high = 2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan();
-        let scale = Some(high / f64::from(size.height()));
-        let width = size.width() as f32 - MARGIN;
+    /// The pictures with their words; without a title one picture alone.
+    fn page(self, mut panels: Vec<Panel>) -> Result<Image, ImageError> {
+        if self.title.is_empty() && panels.len() == 1 {
+            return Ok(panels.remove(0).image);
+        }
+        let width = SIZE[0] as f32 - MARGIN;
         let caption = self.caption.iter().flat_map(|words| wrapped(words, width)).collect();
-        let panels = vec![Panel { image, title: String::new(), scale }];
         Sheet { title: self.title, panels, keys: self.keys, caption }.compose()
     }
 }

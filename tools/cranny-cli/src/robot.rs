@@ -20,7 +20,7 @@ use crate::args::{Format, RobotArgs};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::{check_input, check_output, read_text};
-use crate::picture::{Drawing, Trouble, draw};
+use crate::picture::{Drawing, PictureView, Trouble, draw};
 use crate::progress;
 use configuration_file::{named, read_configurations};
 use description::Description;
@@ -130,7 +130,7 @@ fn render(
     let found = links.at(&poses, Wanted::Meeting).map_err(|error| wrong(&error))?;
     let drawn = || {
         let list = picture::draw_list(robot, &poses, &found.meeting)?;
-        Ok(Drawing { list, ..Drawing::default() })
+        Ok(Drawing { views: vec![PictureView::of(list)], ..Drawing::default() })
     };
     match draw(path, drawn) {
         Ok(()) => Ok(Some(format!("drawn: {}", path.display()))),

@@ -100,13 +100,18 @@ mod tests {
     };
     use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
 
+    fn listed(drawing: Drawing) -> DrawList {
+        let Ok([view]) = <[_; 1]>::try_from(drawing.views) else { panic!("one view") };
+        view.list
+    }
+
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
         let (model, mut report) = Model::build(mesh, &BuildOptions::default()).unwrap();
         let concavities = Concavities::of(&model);
         report.add(concavities.findings(&model));
         let view = View { show, up: Up::Z, cut: None };
         let (drawing, legend) = drawing(&model, &concavities, &report.findings, view).unwrap();
-        (drawing.list, legend)
+        (listed(drawing), legend)
     }
 
     fn cup() -> Mesh {
@@ -184,7 +189,7 @@ mod tests {
         let top = |up| {
             let view = View { show: Show::Classes, up, cut: None };
             let (drawing, _) = drawing(&model, &concavities, &report.findings, view).unwrap();
-            let list = drawing.list;
+            let list = listed(drawing);
             let heights = list.lines.iter().flat_map(|line| [line.from.z, line.to.z]);
             (list.bounds().min.z, heights.fold(f64::NEG_INFINITY, f64::max))
         };
@@ -207,7 +212,7 @@ mod tests {
         for (show, cut) in [(Show::Classes, CutAxis::Y), (Show::Envelope(0), CutAxis::X)] {
             let view = View { show, up: Up::Z, cut: Some(cut) };
             let (drawing, _) = drawing(&model, &concavities, &report.findings, view).unwrap();
-            let list = drawing.list;
+            let list = listed(drawing);
             let section = list.section.unwrap();
             assert!(section.normal.dot(cut.direction()).abs() == 1.0, "{section:?}");
             let before = |p: DVec3| section.before(p) > 1e-9;

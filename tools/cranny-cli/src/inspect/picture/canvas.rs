@@ -14,7 +14,7 @@ use cranny_render::{
 
 use super::envelope::clip;
 use super::{View, coloring};
-use crate::picture::Drawing;
+use crate::picture::{Drawing, PictureView};
 
 /// Of what has no colour of its own.
 pub(super) const GREY: Color = Color::rgb(186, 191, 198);
@@ -221,7 +221,8 @@ impl<'m> Canvas<'m> {
         let ground = Ground::under(&self.list.bounds());
         self.list.ground = Some(Ground { shadows: cut.is_none(), ..ground });
         let Self { list, keys, caption, legend, .. } = self;
-        Ok((Drawing { list, keys, caption, title: String::new() }, legend))
+        let views = vec![PictureView::of(list)];
+        Ok((Drawing { views, keys, caption, title: String::new() }, legend))
     }
 
     /// Takes away all that is before the plane through the body's middle across an axis, on the
