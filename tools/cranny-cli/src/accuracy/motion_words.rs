@@ -48,7 +48,7 @@ pub(super) fn paragraphs(
     apart: Option<&PeersApart>,
 ) -> Vec<String> {
     let ours = runs.iter().find(|run| run.setting.detector == OURS);
-    let costs = [quickest(runs), depths(runs, sizes), choice(runs, ours)];
+    let costs = [quickest(runs), depths(runs, sizes), choice(runs, ours, sizes)];
     let outcomes = [troubles(runs), turns(runs), ends(runs, ours, sizes), filled(runs, apart)];
     let joined = |sentences: Vec<String>| sentences.join(" ");
     [costs.into_iter().flatten().collect(), outcomes.into_iter().flatten().collect()]
@@ -129,7 +129,7 @@ fn share(length: f64, sizes: &Sizes, names: [&str; 2]) -> String {
 }
 
 /// The quickest of those that let bodies sink no deeper than ours.
-fn choice(runs: &[RunFigures], ours: Option<&RunFigures>) -> Option<String> {
+fn choice(runs: &[RunFigures], ours: Option<&RunFigures>, sizes: &Sizes) -> Option<String> {
     let ours = ours?;
     let own = depth(ours)?;
     let parted = |run: &RunFigures| run.links.as_ref().map_or(0, |links| links.parted.len());
@@ -155,9 +155,20 @@ fn choice(runs: &[RunFigures], ours: Option<&RunFigures>) -> Option<String> {
                 "Of those under which bodies sink no deeper than under {OURS}, it is the quickest."
             )
         }
+        // A body that cannot get in sinks into nothing: how the motion differs belongs here.
         _ => format!(
-            "Of those under which bodies sink no deeper than under {OURS}, {} is the quickest.",
-            best.name()
+            "Of those under which bodies sink no deeper than under {OURS}, {} is the quickest{}.",
+            best.name(),
+            farthest_off(best, ours).filter(|(off, _)| *off > 0.0).map_or(
+                String::new(),
+                |(off, body)| {
+                    format!(
+                        "; under it {body} ends {}{} from where {OURS} leads it",
+                        rounded(off),
+                        own_share(off, sizes, body)
+                    )
+                }
+            )
         ),
     })
 }
@@ -227,6 +238,11 @@ fn farthest_off<'a>(run: &'a RunFigures, ours: &RunFigures) -> Option<(f64, &'a 
     run.motion.iter().filter_map(off).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
+/// A length beside the size of a body, in brackets.
+fn own_share(length: f64, sizes: &Sizes, body: &str) -> String {
+    sizes.get(body).map_or(String::new(), |size| format!(" ({} of its size)", part(length / size)))
+}
+
 /// Where bodies end, beside where ours leads them.
 fn ends(runs: &[RunFigures], ours: Option<&RunFigures>, sizes: &Sizes) -> Option<String> {
     let ours = ours?;
@@ -241,17 +257,15 @@ fn ends(runs: &[RunFigures], ours: Option<&RunFigures>, sizes: &Sizes) -> Option
         return Some("Bodies end in the same places under all of them.".to_owned());
     }
     let moved = ours.motion.iter().find(|motion| motion.body == *body)?;
-    let own = sizes
-        .get(*body)
-        .map_or(String::new(), |size| format!(", {} of its size", part(off / size)));
+    let own = own_share(*off, sizes, body);
     let mut words = format!(
-        "Bodies end farthest from where {OURS} leads them under {name}: {body} by {}{own} \
-         (under {OURS} it moves {})",
+        "Bodies end farthest from where {OURS} leads them under {name}: {body} by {}{own}; \
+         under {OURS} it moves {}",
         rounded(*off),
         rounded(way(moved))
     );
     if let [(least, _, nearest), _, ..] = &all[..] {
-        words += &format!("; nearest under {nearest}: all within {}", rounded(*least));
+        words += &format!(". They end nearest under {nearest}: all within {}", rounded(*least));
     }
     Some(words + ".")
 }
@@ -316,9 +330,9 @@ mod tests {
              deepest into each other under rapier-decomposition: between bolt and nut, by 10 \
              (50 % of the size of the smaller); least under cranny: not at all. Under every other \
              detector, bodies sink deeper than under cranny.\n\
-             Bodies end farthest from where cranny leads them under rapier-decomposition: nut by 4, \
-             20 % of its size (under cranny it moves 1); nearest under rapier-trimesh: all \
-             within 0.5."
+             Bodies end farthest from where cranny leads them under rapier-decomposition: nut by 4 \
+             (20 % of its size); under cranny it moves 1. They end nearest under rapier-trimesh: \
+             all within 0.5."
         );
     }
 
@@ -339,6 +353,18 @@ mod tests {
         assert!(words.ends_with("Bodies end in the same places under all of them."), "{words}");
         assert!(words.contains("bodies sink deeper than under cranny, or fare worse"), "{words}");
         assert!(words.contains("linked come apart under rapier-trimesh."), "{words}");
+    }
+
+    /// A nut that does not get onto its bolt sinks into nothing.
+    #[test]
+    fn a_choice_that_moves_bodies_otherwise_says_how_far() {
+        let runs = [
+            run(Detector::Cranny, 2.0, 0.004, 6.0),
+            run(Detector::RapierDecomposition, 1.0, 0.0, 1.0),
+        ];
+        let choice = "rapier-decomposition is the quickest; under it nut ends 5 (25 % of its size) \
+                      from where cranny leads it.";
+        assert!(said(&runs, None).contains(choice), "{}", said(&runs, None));
     }
 
     #[test]

@@ -346,7 +346,7 @@ fn open(all: &[MethodFigures]) -> Option<String> {
             let Name { memory, .. } = worst.name;
             format!("{}, {memory}, has most: {open} of {answers}", worst.name.label())
         }
-        whole => format!("{whole} of {} methods answer no pose", measured().count()),
+        whole => format!("{whole} of {} methods leave every pose open", measured().count()),
     };
     Some(format!(
         "An open pose has no answer whether the bodies meet: the interval allows both. Of {answers} \
