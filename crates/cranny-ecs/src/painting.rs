@@ -13,6 +13,7 @@ mod heat;
 mod hiding;
 mod marks;
 mod motion;
+mod names;
 mod page;
 
 use std::collections::{BTreeMap, BTreeSet};

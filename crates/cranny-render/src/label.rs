@@ -4,7 +4,7 @@ use cranny_exact::DVec3;
 
 use crate::camera::Camera;
 use crate::color::Color;
-use crate::image::Image;
+use crate::image::{Image, ImageSize};
 use crate::palette::PAPER;
 use crate::text::{text_height, text_width};
 
@@ -51,16 +51,15 @@ impl Label {
         Self { at, text: text.into(), size, color, anchor: Anchor::Right }
     }
 
-    /// Writes the text; nothing where the point is behind the camera or outside the picture. Text
-    /// that would leave the picture is moved inside.
-    pub(crate) fn write(&self, image: &mut Image, camera: &Camera) {
-        let Some([x, y]) = camera.project(self.at, image.size()).map(|p| p.map(|c| c as f32))
-        else {
-            return;
-        };
-        let [width, height] = [image.size().width(), image.size().height()].map(|s| s as f32);
+    /// Where the text stands in a picture of this size: its left, top, right and bottom edge in
+    /// pixels. Text that would leave the picture is moved inside. `None` where the point is behind
+    /// the camera or outside the picture: nothing is written.
+    #[must_use]
+    pub fn room(&self, camera: &Camera, size: ImageSize) -> Option<[f32; 4]> {
+        let [x, y] = camera.project(self.at, size)?.map(|c| c as f32);
+        let [width, height] = [size.width(), size.height()].map(|s| s as f32);
         if !(0.0..=width).contains(&x) || !(0.0..=height).contains(&y) {
-            return;
+            return None;
         }
         let (w, h) = (text_width(&self.text, self.size), text_height(self.size));
         let [left, top] = match self.anchor {
@@ -69,16 +68,23 @@ impl Label {
             Anchor::Above => [x - 0.5 * w, y - AWAY - h],
             Anchor::Below => [x - 0.5 * w, y + AWAY],
         };
-        let within = |at: f32, room: f32| at.min(room - EDGE).max(EDGE).round() as i32;
-        let at = [within(left, width - w), within(top, height - h)];
-        image.write(at, &self.text, self.size, self.color, Some(PAPER));
+        let within = |at: f32, room: f32| at.min(room - EDGE).max(EDGE).round();
+        let [left, top] = [within(left, width - w), within(top, height - h)];
+        Some([left, top, left + w, top + h])
+    }
+
+    /// Writes the text where it has [room](Self::room).
+    pub(crate) fn write(&self, image: &mut Image, camera: &Camera) {
+        if let Some([left, top, ..]) = self.room(camera, image.size()) {
+            let at = [left, top].map(|c| c as i32);
+            image.write(at, &self.text, self.size, self.color, Some(PAPER));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::ImageSize;
 
     fn written(at: DVec3, anchor: Anchor) -> Vec<(u32, u32)> {
         let size = ImageSize::new(120, 80).unwrap();

@@ -27,6 +27,8 @@ pub const STATIONARY: Color = Color::rgb(0x7C, 0x82, 0x89);
 pub const OVERLAP: Color = Color::rgb(0xB4, 0x00, 0x3C);
 /// Of contacts across a gap, and of distances.
 pub const GAP: Color = Color::rgb(0x0A, 0x5E, 0x8A);
+/// Of what a search does not look at.
+pub const COLD: Color = Color::rgb(0xB9, 0xBE, 0xC4);
 /// Of words and lines.
 pub const INK: Color = Color::rgb(0x1D, 0x24, 0x30);
 /// Behind words.

@@ -1,6 +1,7 @@
 //! Numbers as colours.
 
 use crate::color::Color;
+use crate::palette::COLD;
 
 /// A scale of colours from 0 to 1 whose lightness falls all the way, so that it is read in grey and
 /// by every eye.
@@ -45,11 +46,27 @@ impl Ramp {
         let (a, b) = (stops[below], stops[below + 1]);
         Color::rgb(mixed(a.r, b.r), mixed(a.g, b.g), mixed(a.b, b.b))
     }
+
+    /// The colour of a count, by its logarithm, from none to `most`: for counts of which a few are
+    /// a hundred times as large as the others. [`COLD`](crate::palette::COLD) where it is 0.
+    #[must_use]
+    pub fn color_of_count(self, count: u64, most: u64) -> Color {
+        let log = |count: u64| (count as f64).ln_1p();
+        if count == 0 { COLD } else { self.color(log(count) / log(most)) }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counts_have_colours_from_none_to_the_most() {
+        assert_eq!(Ramp::Heat.color_of_count(0, 5), COLD);
+        assert_eq!(Ramp::Heat.color_of_count(5, 5), Ramp::Heat.color(1.0));
+        assert_ne!(Ramp::Heat.color_of_count(1, 5), Ramp::Heat.color_of_count(2, 5));
+        assert_eq!(Ramp::Heat.color_of_count(1, 1), Ramp::Heat.color(1.0));
+    }
 
     #[test]
     fn lightness_falls_all_the_way() {

@@ -14,6 +14,7 @@ mod contestant;
 mod figures;
 mod method;
 mod motion;
+mod motion_words;
 mod ours;
 mod page;
 mod panel;

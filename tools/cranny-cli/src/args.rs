@@ -26,7 +26,7 @@ pub(crate) use scene::{
     RunArgs, SetArgs, SubstepsArg,
 };
 use show::show;
-pub(crate) use show::{Show, Up};
+pub(crate) use show::{CutAxis, Show, Up};
 pub(crate) use stability::StabilityArgs;
 pub(crate) use verify::VerifyArgs;
 
@@ -173,6 +173,11 @@ pub(crate) struct QueryArgs {
     /// Add to each line what proves its verdict; `cranny verify` checks it
     #[arg(long)]
     pub(crate) certificate: bool,
+
+    /// Paint what the search of the last pose compares on both meshes: each by itself, seen from
+    /// the side of the other
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) heat: Option<PathBuf>,
 }
 
 /// How the triangles that meet are found.
@@ -266,6 +271,11 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
     pub(crate) up: Option<Up>,
 
+    /// Cut the body open in the picture: across this axis of the mesh, through the middle of its
+    /// box
+    #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
+    pub(crate) cut: Option<CutAxis>,
+
     /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without
     /// preparing it again
     #[arg(long, value_name = "MODEL.cranny")]
@@ -300,7 +310,7 @@ filed_vertices, filed_faces, deviation and repairs are null: it does not say; --
 and --flat need the mesh.
 
 Pictures:
-  classes         on the hull grey; concavities in colours, their caps translucent, loops dark
+  classes         on the hull grey; concavities in colours, their caps amber, loops dark
   patches         the surface's patches; neighbours differ in colour
   boxes:LEVEL     the boxes of a level of the concavities' trees, from 0, the roots
   envelope:DEPTH  the layers of the concavities' envelopes at a depth, from 0, the first below the cap; each
@@ -315,7 +325,7 @@ Examples:
   cranny inspect nut.obj --save nut.cranny
   cranny inspect house.glb --render house.png
   cranny inspect teapot.obj --render teapot.png --up y
-  cranny inspect cup.obj --render cup.png --show envelope:0
+  cranny inspect cup.obj --render cup.png --show envelope:0 --cut z
   cranny inspect nut.obj --format json";
 
 /// What may be mended.

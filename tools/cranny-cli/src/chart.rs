@@ -1,4 +1,6 @@
-//! What all drawings have in common: a file in memory, colours, letters, a legend.
+//! What all drawings have in common: a file in memory, colours, letters, a legend, names of marks.
+
+pub(crate) mod labels;
 
 use std::io;
 use std::ops::Range;
@@ -9,6 +11,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::failure::Failure;
+use labels::{Pixel, Placing, Room};
 
 /// Colours that stay apart for whoever confuses red and green (Okabe and Ito, 2008).
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -76,7 +79,7 @@ pub(crate) fn log_axes<'a, 'b>(
     area: &'a Area<'b>,
     (xs, ys): (Range<f64>, Range<f64>),
     words: &Words,
-    mark: fn(f64) -> String,
+    mark: &dyn Fn(f64) -> String,
 ) -> Result<LogChart<'a, 'b>, Failed> {
     let mut chart = ChartBuilder::on(area)
         .margin(14)
@@ -130,7 +133,7 @@ pub(crate) fn svg(
 /// What the drawing library says.
 pub(crate) fn legend(
     area: &Area<'_>,
-    corner: (i32, i32),
+    corner: Pixel,
     names: impl Iterator<Item = (String, RGBColor)>,
 ) -> Result<(), Failed> {
     column(area, corner, names, |area, (x, y), color| {
@@ -138,24 +141,88 @@ pub(crate) fn legend(
     })
 }
 
-/// The same for dots.
+/// What marks a place in a chart.
+#[derive(Clone, Copy)]
+pub(crate) enum Sign {
+    Dot,
+    Triangle,
+}
+
+/// Pixels from a mark's middle to its rim.
+pub(crate) const RADIUS: i32 = 4;
+
+impl Sign {
+    /// The mark at a pixel.
+    ///
+    /// # Errors
+    ///
+    /// What the drawing library says.
+    pub(crate) fn draw(self, area: &Area<'_>, at: Pixel, style: ShapeStyle) -> Result<(), Failed> {
+        match self {
+            Self::Dot => area.draw(&Circle::new(at, RADIUS, style)),
+            Self::Triangle => {
+                let (x, y) = at;
+                // As large as the dot to the eye.
+                let corners = [
+                    (x, y - RADIUS - 1),
+                    (x + RADIUS + 1, y + RADIUS),
+                    (x - RADIUS - 1, y + RADIUS),
+                ];
+                match style.filled {
+                    true => area.draw(&Polygon::new(corners, style)),
+                    false => {
+                        let [top, right, left] = corners;
+                        area.draw(&PathElement::new([top, right, left, top], style))
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Names marks in a column, as [`legend`] does lines.
 ///
 /// # Errors
 ///
 /// What the drawing library says.
 pub(crate) fn marks(
     area: &Area<'_>,
-    corner: (i32, i32),
-    names: impl Iterator<Item = (String, ShapeStyle)>,
+    corner: Pixel,
+    names: impl Iterator<Item = (String, (Sign, ShapeStyle))>,
 ) -> Result<(), Failed> {
-    column(area, corner, names, |area, (x, y), style| area.draw(&Circle::new((x + 9, y), 4, style)))
+    column(area, corner, names, |area, (x, y), (sign, style)| sign.draw(area, (x + 9, y), style))
+}
+
+/// Writes a name where it was placed, with the line that leads to it.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn name(
+    area: &Area<'_>,
+    placing: &Placing,
+    name: &str,
+    color: RGBColor,
+) -> Result<(), Failed> {
+    if let Some([from, to]) = placing.leader {
+        area.draw(&PathElement::new([from, to], color.mix(0.6).stroke_width(1)))?;
+    }
+    let Room { left, top, bottom, .. } = placing.room;
+    let style = LABEL.into_font().color(&color).pos(Pos::new(HPos::Left, VPos::Center));
+    area.draw(&Text::new(name.to_owned(), (left, (top + bottom) / 2), style))
+}
+
+/// The part of a chart inside its axes, in pixels of the whole drawing.
+pub(crate) fn frame(chart: &LogChart<'_, '_>) -> Room {
+    let (xs, ys) = chart.plotting_area().get_pixel_range();
+    Room { left: xs.start, top: ys.start, right: xs.end, bottom: ys.end }
 }
 
 fn column<S>(
     area: &Area<'_>,
-    (x, y): (i32, i32),
+    (x, y): Pixel,
     names: impl Iterator<Item = (String, S)>,
-    sign: impl Fn(&Area<'_>, (i32, i32), S) -> Result<(), Failed>,
+    sign: impl Fn(&Area<'_>, Pixel, S) -> Result<(), Failed>,
 ) -> Result<(), Failed> {
     let style = LABEL.into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
     for (i, (name, own)) in names.enumerate() {

@@ -25,7 +25,7 @@ use crate::progress;
 use crate::run::{detector, failure, stop_flag};
 use crate::scene_file::load;
 use contestant::DetectorRun;
-pub(crate) use figures::RunFigures;
+pub(crate) use figures::{RunFigures, way};
 
 /// What is written into the folder; the last only where bodies overlapped.
 const FILES: [&str; 4] = ["compare.csv", "steps.csv", "steps.svg", "compare.svg"];
@@ -62,7 +62,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         let chart = chart::drawn(&scene.description.name, &rows)?;
         write(&folder.join(FILES[2]), &chart)?;
         if let Some(chart) = chart::outcome(&rows)? {
-            write(&folder.join(FILES[3]), &chart)?;
+            write(&folder.join(FILES[3]), &chart.svg)?;
         }
     }
     Ok(())

@@ -66,8 +66,11 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
         let view = View {
             show: args.show.unwrap_or_default(),
             up: args.up.unwrap_or_else(|| Up::of_format(loaded.format)),
+            cut: args.cut,
         };
-        match picture::draw(&loaded.model, &concavities, &loaded.report.findings, view, path) {
+        let name = args.mesh.file_name().unwrap_or_default().to_string_lossy();
+        let findings = &loaded.report.findings;
+        match picture::draw(&loaded.model, &concavities, findings, (view, &name), path) {
             Ok(legend) => {
                 summary.outputs.push(path.display().to_string());
                 summary.legend = legend;

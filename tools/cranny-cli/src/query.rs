@@ -1,9 +1,12 @@
 //! `cranny query`: two meshes at a list of poses, a line each.
 
+mod heat;
 mod line;
 
+use std::path::Path;
 use std::time::Instant;
 
+use cranny_ecs::check_outputs;
 use cranny_estimate::{Accuracy, Budget, Effort, EstimateMemory, estimate};
 use cranny_geometry::BuildOptions;
 use cranny_narrow_phase::{Demand, Method, Placed, Query};
@@ -13,8 +16,11 @@ use crate::certificate_line::{CertifiedLine, Certifier, sealed};
 use crate::failure::Failure;
 use crate::model_file::load;
 use crate::output::Output;
+use crate::paths::check_output;
+use crate::picture::Trouble;
 use crate::pose_file::read_poses;
 use crate::progress;
+use heat::Searched;
 use line::{Line, ShownFields};
 
 /// Runs the command.
@@ -24,6 +30,12 @@ use line::{Line, ShownFields};
 /// Wrong meshes, poses or options; standard output that cannot be written.
 pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Failure> {
     check_certificate_options(args, format)?;
+    if let Some(path) = &args.heat {
+        check_heat_options(args)?;
+        check_output("--heat", path, &["png"])?;
+        let inputs = [&args.pair.mesh_a, &args.pair.mesh_b, &args.poses].map(|path| &**path);
+        check_outputs(&[path], &inputs).map_err(Failure::input)?;
+    }
     // Poses first: they are read in no time, and a mistake in them is reported before the long
     // work.
     let poses = read_poses(&args.poses)?;
@@ -46,7 +58,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let budget = args.budget.map_or(Budget::Unlimited, Budget::Tests);
     let effort = Effort { accuracy: args.accuracy, budget };
     let mut memory = EstimateMemory::default();
-    for (index, [pose_a, pose_b]) in poses.into_iter().enumerate() {
+    for (index, &[pose_a, pose_b]) in poses.iter().enumerate() {
         if args.cold {
             memory.clear();
         }
@@ -73,7 +85,32 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(())
+    let Some(path) = &args.heat else { return Ok(()) };
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let names = [&args.pair.mesh_a, &args.pair.mesh_b].map(|path| name(path));
+    let searched = Searched { models: [&a, &b], names, question, poses: &poses, cold: args.cold };
+    match searched.draw(path) {
+        Ok(()) => Ok(()),
+        Err(Trouble::NoGraphics(why)) => {
+            tracing::warn!("no picture: {why}");
+            Ok(())
+        }
+        Err(Trouble::Failed(failure)) => Err(failure),
+    }
+}
+
+/// Heat is that of the exact search.
+fn check_heat_options(args: &QueryArgs) -> Result<(), Failure> {
+    let wrong = |option: &str| {
+        Err(Failure::input(format!(
+            "--heat: it shows what the exact search compares; leave {option} out."
+        )))
+    };
+    match () {
+        () if args.accuracy != Accuracy::Exact => wrong("--accuracy"),
+        () if args.budget.is_some() => wrong("--budget"),
+        () => Ok(()),
+    }
 }
 
 /// Certificates are about exact verdicts, and go into JSON lines.

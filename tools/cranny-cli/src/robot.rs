@@ -20,7 +20,7 @@ use crate::args::{Format, RobotArgs};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::{check_input, check_output, read_text};
-use crate::picture::{Trouble, draw};
+use crate::picture::{Drawing, PictureView, Trouble, draw};
 use crate::progress;
 use configuration_file::{named, read_configurations};
 use description::Description;
@@ -128,7 +128,11 @@ fn render(
     robot.clamp_to_limits(&mut positions);
     let poses = robot.forward_kinematics(&positions).map_err(|error| wrong(&error))?;
     let found = links.at(&poses, Wanted::Meeting).map_err(|error| wrong(&error))?;
-    match draw(path, || picture::draw_list(robot, &poses, &found.meeting)) {
+    let drawn = || {
+        let list = picture::draw_list(robot, &poses, &found.meeting)?;
+        Ok(Drawing { views: vec![PictureView::of(list)], ..Drawing::default() })
+    };
+    match draw(path, drawn) {
         Ok(()) => Ok(Some(format!("drawn: {}", path.display()))),
         Err(Trouble::NoGraphics(why)) => {
             tracing::warn!("no picture: {why}");

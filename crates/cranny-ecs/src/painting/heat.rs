@@ -12,6 +12,7 @@ use cranny_narrow_phase::{
     Counters, Demand, PairMemory, Placed, Query, SearchHeat, query_observed,
 };
 use cranny_primitives::BodyShape;
+use cranny_render::palette::COLD;
 use cranny_render::{
     Camera, CameraError, Color, DrawList, DrawMesh, Image, ImageSize, Key, Mark, Panel, Ramp,
     RenderError, Renderer, Sheet,
@@ -34,9 +35,6 @@ const PAIRS: usize = 64;
 
 /// Title of what lies around the deepest contact.
 const MAGNIFIED: &str = "the circle, magnified";
-
-/// Of what the search does not look at.
-const COLD: Color = Color::rgb(0xB9, 0xBE, 0xC4);
 
 /// What searches of pairs at a moment looked at.
 #[derive(Default)]
@@ -67,7 +65,8 @@ impl Heat {
             let Some((model, times)) = model(coats, *id).zip(self.of_faces.get(id)) else {
                 continue;
             };
-            let colors: Vec<Color> = times.iter().map(|&times| color(times, hottest)).collect();
+            let color = |&times: &u64| Ramp::Heat.color_of_count(times, hottest);
+            let colors: Vec<Color> = times.iter().map(color).collect();
             let mesh = model.mesh();
             let drawn = DrawMesh::with_face_colors(mesh.vertices(), mesh.faces(), &colors);
             if let Ok(drawn) = drawn {
@@ -88,12 +87,6 @@ impl Heat {
             grouped(triangle_tests)
         )
     }
-}
-
-/// By its logarithm: a few faces are looked at a hundred times as often as most.
-fn color(times: u64, hottest: u64) -> Color {
-    let log = |times: u64| (times as f64).ln_1p();
-    if times == 0 { COLD } else { Ramp::Heat.color(log(times) / log(hottest)) }
 }
 
 /// Digits in groups of three.
@@ -293,13 +286,5 @@ mod tests {
     fn numbers_are_grouped_by_three() {
         let texts = [0, 999, 1_000, 12_345_678].map(grouped);
         assert_eq!(texts, ["0", "999", "1,000", "12,345,678"]);
-    }
-
-    #[test]
-    fn colours_run_from_what_is_looked_at_once_to_the_hottest() {
-        assert_eq!(color(0, 5), COLD);
-        assert_eq!(color(5, 5), Ramp::Heat.color(1.0));
-        assert_ne!(color(1, 5), color(2, 5));
-        assert_eq!(color(1, 1), Ramp::Heat.color(1.0));
     }
 }

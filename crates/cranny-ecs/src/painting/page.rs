@@ -8,6 +8,7 @@ use cranny_render::{
 use super::coats::{Coat, Coats};
 use super::focus::{Focus, contacts, look_into, nearest};
 use super::marks::number;
+use super::names::name_touching;
 use super::{MeetingPair, Moment, ScenePainter, marks};
 use crate::error::SceneAppError;
 
@@ -185,6 +186,7 @@ impl ScenePainter {
         look_into(&self.coats, &mut moment, &[]);
         let mut list = self.view(&moment, &camera);
         list.instances.iter_mut().for_each(|instance| instance.style = style);
+        name_touching(&mut list, &self.coats, &moment, (&camera, size));
         let image = self.render(renderer, &list, &camera, size);
         let image = image.map_err(|error| failed(error.to_string()))?;
         let what = if style == Style::XRay { "x-ray" } else { "wireframe" };

@@ -215,6 +215,30 @@ fn an_x_ray_has_its_words() {
     }
 }
 
+/// Another name is another picture where the body touches another, and the same where it does not.
+#[test]
+fn an_x_ray_names_the_bodies_that_touch() {
+    use cranny_narrow_phase::Answer;
+    let Some(mut renderer) = renderer() else { return };
+    let mut drawn = |name: &str, touches: bool| {
+        let mut scene = gate(&[]);
+        scene.bodies[1].name = name.to_owned();
+        let mut moment = moment(&[2.0, 0.0]);
+        let [a, b] = [0, 1].map(BodyId);
+        let pair = MeetingPair { a, b, answer: Answer::nothing(), impulse: 0.0, sensed: false };
+        moment.pairs.extend(touches.then_some(pair));
+        let view = ScenePainterView::XRay;
+        let size = ScenePainter::camera_size(view, SIZE).unwrap();
+        let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
+        let image = painter.draw(&mut renderer, &moment, view, SIZE).unwrap();
+        // Without the title above and the legend below.
+        let row = 4 * image.size().width() as usize;
+        image.pixels()[40 * row..SIZE[1] as usize * row].to_vec()
+    };
+    assert_ne!(drawn("gate", true), drawn("another", true));
+    assert_eq!(drawn("gate", false), drawn("another", false));
+}
+
 #[test]
 fn a_section_shows_what_two_bodies_share() {
     use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};

@@ -27,7 +27,7 @@ fn axes<'a, 'b>(
     words: &Words,
 ) -> Result<LogChart<'a, 'b>, Failed> {
     let xs: Vec<f64> = xs.collect();
-    log_axes(area, (span(&xs), 0.15 * FLOOR..2.0), words, percent)
+    log_axes(area, (span(&xs), 0.15 * FLOOR..2.0), words, &percent)
 }
 
 /// Smaller shares are written with an exponent.

@@ -254,7 +254,7 @@ fn factor(ratio: f64) -> String {
     if ratio < 1.05 { "as long".to_owned() } else { format!("x {}", times(ratio)) }
 }
 
-fn capital(words: &str) -> String {
+pub(super) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
@@ -265,7 +265,7 @@ fn micros(us: f64) -> String {
     if us >= 10.0 { format!("{us:.0}") } else { format!("{us:.1}") }
 }
 
-fn times(ratio: f64) -> String {
+pub(super) fn times(ratio: f64) -> String {
     let ratio = rounded(ratio);
     match ratio {
         r if r >= 10.0 => format!("{r:.0}"),

@@ -73,7 +73,7 @@ impl Measured {
         let motion = &judged.motion;
         let all: Vec<usize> = (0..motion.len()).collect();
         let in_contact: Vec<usize> =
-            all.iter().copied().filter(|&pose| !judged.truths[pose].contacts.is_empty()).collect();
+            all.iter().copied().filter(|&pose| judged.truths[pose].overlaps()).collect();
         Self {
             distances: Series::planned(
                 motion,

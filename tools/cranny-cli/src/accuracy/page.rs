@@ -3,16 +3,21 @@
 
 use std::path::Path;
 
+use cranny_ecs::DeepestSummary;
 use cranny_rapier::Detector;
 use cranny_scene::LoadedScene;
 use cranny_world::description::Effect;
 
-use super::chart::percent;
+use super::chart::{percent, rounded};
 use super::conclusion::{about_pieces, ladder, paragraphs};
-use super::figures::MethodFigures;
+use super::figures::{MethodFigures, quantile};
+use super::method::Name;
 use super::motion::{Judged, Motion};
+use super::motion_words::{PeersApart, Sizes, paragraphs as paragraphs_of_motion, part, smaller};
 use super::panel::Panel;
+use super::truth::Truth;
 use crate::args::{AccuracyArgs, InsteadArgs, SetArgs};
+use crate::compare::chart::Outcome;
 use crate::compare::{self, RunFigures, figures, simulated};
 use crate::failure::Failure;
 use crate::page::Page;
@@ -31,6 +36,7 @@ pub(super) struct PageSubject {
     picture: Result<Vec<u8>, String>,
     /// The motion under each detector.
     runs: Vec<RunFigures>,
+    sizes: Sizes,
 }
 
 impl PageSubject {
@@ -45,6 +51,7 @@ impl PageSubject {
             command: command(),
             picture: Err("Two meshes without a scene have no picture.".to_owned()),
             runs: Vec::new(),
+            sizes: Sizes::new(),
         }
     }
 
@@ -82,6 +89,12 @@ impl PageSubject {
                 true => Vec::new(),
                 false => simulated(scene, &contests, &instead, false)?,
             },
+            sizes: scene
+                .description
+                .bodies
+                .iter()
+                .map(|body| (body.name.clone(), body.collision.bounds().diagonal()))
+                .collect(),
         };
         Ok((motion, shown))
     }
@@ -124,7 +137,9 @@ pub(super) fn page(
     page.paragraph(
         "How near to the truth is an answer about colliding bodies, and how long does it take? \
          Each method below answers the same questions at the same poses, on one thread of one \
-         machine, and is judged by the exact answer.",
+         machine, and is judged by the exact answer. 'Ours' is cranny, the detector that this page \
+         is about; parry is another library of collision detection, which answers on the triangles \
+         too, or on convex pieces that stand for them.",
     );
     match &shown.picture {
         Ok(png) => page.picture(png, &shown.title),
@@ -145,13 +160,20 @@ pub(super) fn page(
         "Lower is more exact, farther left is quicker. Ours bound the answer: the error is the width \
          of the interval that certainly holds it. Parry gives no bounds: its error is how far it is \
          off. Where bodies overlap, ours answers with whole regions: curves, area, depth. Parry \
-         begins anew at each pose, without the manifolds that rapier would keep.",
+         begins anew at each pose, without the manifolds that rapier would keep. Filled marks of \
+         ours keep what they found at the pose before (warm), hollow ones begin anew (cold). \
+         Triangles, where there are any, are means over fewer poses: a method that is too slow for \
+         all answers at some of them, evenly spread.",
     );
     if !shown.runs.is_empty() {
-        motion(&mut page, &shown.runs)?;
+        let panel = |method| all.iter().find(|row| row.name.method == method).map(|row| row.apart);
+        let peers = panel("parry-trimesh").zip(panel("parry-decomposition"));
+        let peers = peers.map(|(mesh, pieces)| PeersApart { mesh, pieces });
+        motion(&mut page, shown, peers.as_ref())?;
     }
     page.heading("The figures");
     page.paragraph(&poses(shown, judged));
+    open(all).iter().for_each(|words| page.paragraph(words));
     let (headings, rows) = table(all);
     page.table(&headings, &rows);
     all.iter()
@@ -169,7 +191,7 @@ pub(super) fn page(
 }
 
 /// Words of the tables and drawings.
-const WORDS: [(&str, &str); 11] = [
+const WORDS: [(&str, &str); 13] = [
     (
         "cranny, ours",
         "the detector that this page is about; parry is a library of collision detection, and \
@@ -202,11 +224,24 @@ const WORDS: [(&str, &str); 11] = [
         "poses at which a method says that bodies meet which do not, or the other way round; gaps \
          that are smaller than a small error suffice",
     ),
-    ("open", "poses at which the interval leaves open whether they meet"),
+    (
+        "open",
+        "poses at which the interval of a length leaves open whether the bodies meet: no answer to \
+         that question, and neither right nor wrong",
+    ),
+    (
+        "poses",
+        "at how many of the poses of a kind the method answered, where there was no time for all",
+    ),
     (
         "parry-trimesh, parry-decomposition",
         "Parry's triangle mesh, and its convex pieces; rapier-trimesh and rapier-decomposition are \
          the same in rapier, and rapier-trimesh-fixed corrects normals at inner edges",
+    ),
+    (
+        "rapier-boxes, rapier-hulls, rapier-tree",
+        "what a level of ours knows of a body, given to rapier in place of its mesh: the box, the \
+         convex hull, the boxes of a tree",
     ),
     (
         "energy % gained, at end",
@@ -220,7 +255,8 @@ const WORDS: [(&str, &str); 11] = [
     ),
 ];
 
-fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
+fn motion(page: &mut Page, shown: &PageSubject, peers: Option<&PeersApart>) -> Result<(), Failure> {
+    let PageSubject { runs, sizes, .. } = shown;
     page.heading("What it does to the motion");
     let is_level =
         |run: &RunFigures| Detector::LEVELS.map(|d| d.name()).contains(&run.setting.detector);
@@ -232,45 +268,132 @@ fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
          becomes of the bodies. {}Depths are exact answers at the poses that each detector led to.",
         if has_levels { levels } else { "" },
     ));
-    if let Some(svg) = compare::chart::outcome(runs)? {
+    paragraphs_of_motion(runs, sizes, peers).iter().for_each(|words| page.emphasis(words));
+    if let Some(Outcome { svg, unmarked }) = compare::chart::outcome(runs)? {
+        let missing = match unmarked.is_empty() {
+            true => String::new(),
+            false => format!(" Without a mark: {}.", unmarked.join(", ")),
+        };
         page.drawing(
             &svg,
-            "Lower is shallower, farther left is quicker. A detector under which a body lay wholly \
-             within another, or left the world, has no mark.",
+            &format!(
+                "Lower is shallower, farther left is quicker. Overlaps of less than a 100,000th of \
+                 the deepest count as none.{missing}"
+            ),
         );
     }
     let (headings, rows) = figures::columns(runs);
     page.table(&headings, &rows);
-    figures::notes(runs).iter().for_each(|note| page.paragraph(note));
+    page.paragraph("Where that was, and who moved:");
+    let (headings, rows) = places(runs, sizes);
+    page.table(&headings, &rows);
+    runs.iter().flat_map(RunFigures::troubles).for_each(|note| page.paragraph(&note));
     Ok(())
+}
+
+/// Of each run the deepest overlap, and the body that moved farthest.
+fn places(runs: &[RunFigures], sizes: &Sizes) -> (Vec<String>, Vec<Vec<String>>) {
+    let headings = [
+        "detector",
+        "deepest overlap",
+        "of the smaller",
+        "between",
+        "at s",
+        "moved farthest",
+        "by (x, y, z)",
+    ];
+    let row = |run: &RunFigures| {
+        let mut cells = vec![run.name()];
+        cells.extend(match run.deepest.as_ref() {
+            Some(DeepestSummary { depth, a, b, step }) if *depth > 0.0 => {
+                let size = smaller(sizes, [a, b]);
+                [
+                    rounded(*depth).to_string(),
+                    size.map_or(String::new(), |size| part(depth / size)),
+                    format!("{a}, {b}"),
+                    run.dt.map_or(String::new(), |dt| format!("{:.3}", dt * *step as f64)),
+                ]
+            }
+            Some(_) => ["none".to_owned(), String::new(), String::new(), String::new()],
+            None => Default::default(),
+        });
+        cells.extend(run.farthest.as_ref().map_or_else(Default::default, |motion| {
+            let [x, y, z] = motion.displacement;
+            [motion.body.clone(), format!("({x:.3}, {y:.3}, {z:.3})")]
+        }));
+        cells
+    };
+    (headings.map(str::to_owned).to_vec(), runs.iter().map(row).collect())
+}
+
+/// How many answers left open whether bodies meet; `None` where none did.
+fn open(all: &[MethodFigures]) -> Option<String> {
+    let counts = |row: &MethodFigures| {
+        let open = row.apart.open + row.overlapping.open;
+        (open, row.apart.poses + row.overlapping.poses)
+    };
+    let measured = || all.iter().filter(|row| row.note.is_none());
+    let (open, answers) = measured()
+        .map(counts)
+        .fold((0, 0), |(open, all), (its_open, its_all)| (open + its_open, all + its_all));
+    let share = |row: &MethodFigures| counts(row).0 as f64 / counts(row).1.max(1) as f64;
+    let whole = measured().filter(|row| share(row) == 1.0).count();
+    let worst = measured().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    let most = match whole {
+        _ if open == 0 => return None,
+        0 => {
+            let (open, answers) = counts(worst);
+            let Name { memory, .. } = worst.name;
+            format!("{}, {memory}, has most: {open} of {answers}", worst.name.label())
+        }
+        whole => format!("{whole} of {} methods leave every pose open", measured().count()),
+    };
+    Some(format!(
+        "An open pose has no answer whether the bodies meet: the interval allows both. Of {answers} \
+         answers in this table {open} are open; {most}."
+    ))
 }
 
 fn poses(shown: &PageSubject, judged: &Judged) -> String {
     let (truths, pairs) = (&judged.truths, judged.motion.pairs().len());
-    let overlapping = truths.iter().filter(|truth| !truth.contacts.is_empty()).count();
-    let apart = truths.iter().filter(|truth| !truth.meets).count();
+    let share = |length: fn(&Truth) -> f64, is_meant: fn(&Truth) -> bool| {
+        let meant = truths.iter().enumerate().filter(|(_, truth)| is_meant(truth));
+        let all = meant.map(|(i, truth)| length(truth) / judged.motion.posed(i).size());
+        let mut all: Vec<f64> = all.collect();
+        all.sort_unstable_by(f64::total_cmp);
+        (all.len(), quantile(&all, 50), all.last().copied())
+    };
+    let reported = |(count, median, most): (usize, Option<f64>, Option<f64>)| {
+        let [median, most] = [median, most].map(|share| share.map(part));
+        match median.zip(most) {
+            None => format!("at {count}"),
+            Some((median, most)) => {
+                format!("at {count}, by {median} in the middle and {most} at most")
+            }
+        }
+    };
+    let apart = share(|truth| truth.distance, |truth| !truth.meets);
+    let overlapping = share(|truth| truth.depth, Truth::overlaps);
     format!(
-        "{} There are {} poses of {pairs} {}: apart at {apart}, overlapping at {overlapping}. Errors \
-         are shares of the size of the smaller body, from corner to corner of its box.",
+        "{} There are {} poses of {pairs} {}: apart {}; overlapping {}. Lengths and errors are \
+         shares of the size of the smaller body, from corner to corner of its box.",
         shown.source,
         truths.len(),
         if pairs == 1 { "pair" } else { "pairs" },
+        reported(apart),
+        reported(overlapping),
     )
 }
 
 fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
-    let headings = [
-        "method",
-        "memory",
-        "apart: µs",
-        "apart: error",
-        "wrong",
-        "open",
-        "overlap: µs",
-        "overlap: error",
-        "wrong",
-        "open",
-    ];
+    let kind = |kind: &str| {
+        [format!("{kind}: poses"), format!("{kind}: µs"), format!("{kind}: error")]
+            .into_iter()
+            .chain(["wrong", "open"].map(str::to_owned))
+            .collect::<Vec<String>>()
+    };
+    let names = ["method", "memory"].map(str::to_owned).to_vec();
+    let headings = [names, kind("apart"), kind("overlap")].concat();
     let row = |row: &MethodFigures| {
         let of_panel = |panel| figures_of(panel, row.name.is_exact());
         let [apart, overlap] = [&row.apart, &row.overlapping].map(of_panel);
@@ -279,16 +402,21 @@ fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
         [&names[..], &apart[..], &overlap[..]].concat()
     };
     let measured = all.iter().filter(|row| row.note.is_none());
-    (headings.map(str::to_owned).to_vec(), measured.map(row).collect())
+    (headings, measured.map(row).collect())
 }
 
-/// Time, error, wrong verdicts and open ones. A method that does not promise to be exact may show
-/// no error at these poses.
-fn figures_of(panel: &Panel, is_exact: bool) -> [String; 4] {
+/// Poses, time, error, wrong verdicts and open ones. A method that does not promise to be exact may
+/// show no error at these poses.
+fn figures_of(panel: &Panel, is_exact: bool) -> [String; 5] {
     let known = panel.mean_us.zip(panel.error);
     known.map_or_else(Default::default, |(us, error)| {
         let [wrong, open] = [panel.wrong, panel.open].map(|count| count.to_string());
         let error = if error == 0.0 && !is_exact { "none here".to_owned() } else { percent(error) };
-        [format!("{us:.2}"), error, wrong, open]
+        let Panel { poses, poses_all, .. } = panel;
+        let poses = match panel.is_partial() {
+            true => format!("{poses} of {poses_all}"),
+            false => poses.to_string(),
+        };
+        [poses, format!("{us:.2}"), error, wrong, open]
     })
 }

@@ -14,7 +14,10 @@ use super::truth::Truth;
 /// is off; 1 where nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Panel {
+    /// Poses at which it answered: those for which there was time.
     pub(super) poses: usize,
+    /// Poses of this kind.
+    pub(super) poses_all: usize,
     /// Mean time, microseconds.
     pub(super) mean_us: Option<f64>,
     /// Mean.
@@ -30,7 +33,8 @@ impl Panel {
     /// Of distances, at poses at which bodies are apart.
     pub(super) fn of_distances(judged: &Judged, replies: &[Reply<PoseAnswer>]) -> Self {
         let apart = replies.iter().filter(|reply| !judged.truths[reply.pose].meets);
-        Self::of(judged, apart, |found, truth| Estimated {
+        let all = judged.truths.iter().filter(|truth| !truth.meets).count();
+        Self::of(judged, all, apart, |found, truth| Estimated {
             held: found.held.or(found.distance.map(Interval::point)),
             truth: truth.distance,
             meets: found.meets,
@@ -39,15 +43,22 @@ impl Panel {
 
     /// Of depths, at poses at which bodies overlap.
     pub(super) fn of_depths(judged: &Judged, replies: &[Reply<ContactAnswer>]) -> Self {
-        Self::of(judged, replies.iter(), |found, truth| Estimated {
+        let all = judged.truths.iter().filter(|truth| truth.overlaps()).count();
+        Self::of(judged, all, replies.iter(), |found, truth| Estimated {
             held: found.depth,
             truth: truth.depth,
             meets: found.meets,
         })
     }
 
+    /// Returns whether there was no time for some of the poses.
+    pub(super) fn is_partial(&self) -> bool {
+        self.poses < self.poses_all
+    }
+
     fn of<'r, T: 'r>(
         judged: &Judged,
+        poses_all: usize,
         replies: impl Iterator<Item = &'r Reply<T>>,
         estimated: impl Fn(&T, &Truth) -> Estimated,
     ) -> Self {
@@ -64,6 +75,7 @@ impl Panel {
         }
         Self {
             poses: errors.len(),
+            poses_all,
             mean_us: mean(micros.into_iter()),
             error: mean(errors.iter().copied()),
             error_max: errors.iter().copied().reduce(f64::max),

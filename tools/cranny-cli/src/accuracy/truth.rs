@@ -24,6 +24,13 @@ pub(super) struct Truth {
     pub(super) depth: f64,
 }
 
+impl Truth {
+    /// Returns whether the bodies have a region in common, which has a depth.
+    pub(super) fn overlaps(&self) -> bool {
+        !self.contacts.is_empty()
+    }
+}
+
 /// The truth at each pose.
 ///
 /// # Errors

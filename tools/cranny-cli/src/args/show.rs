@@ -57,6 +57,28 @@ impl Up {
     }
 }
 
+/// An axis of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CutAxis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl CutAxis {
+    /// The unit vector.
+    pub(crate) fn direction(self) -> DVec3 {
+        match self {
+            Self::X => DVec3::X,
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
 /// Reads `classes`, `patches`, `boxes:LEVEL`, `envelope:DEPTH` or `findings`.
 pub(super) fn show(text: &str) -> Result<Show, String> {
     let (what, level) = match text.split_once(':') {

@@ -42,7 +42,7 @@ pub(crate) struct RunFigures {
     #[serde(flatten)]
     pub(crate) setting: Setting,
     pub(super) steps: usize,
-    pub(super) dt: Option<f64>,
+    pub(crate) dt: Option<f64>,
     /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a
     /// step.
     pub(crate) step_ms: Option<Spread>,
@@ -62,13 +62,16 @@ pub(crate) struct RunFigures {
     /// Bodies that left the world.
     pub(crate) left: Vec<LeftSummary>,
     /// The body that moved farthest from where it was put.
-    pub(super) farthest: Option<MotionSummary>,
-    pub(super) links: Option<LinkSummary>,
-    pub(super) helices: Vec<HelixSummary>,
+    pub(crate) farthest: Option<MotionSummary>,
+    pub(crate) links: Option<LinkSummary>,
+    pub(crate) helices: Vec<HelixSummary>,
     pub(super) state_hash: Option<String>,
     pub(super) interrupted: bool,
     /// Why it did not come to the end.
     pub(crate) failure: Option<String>,
+    /// How each body moved.
+    #[serde(skip)]
+    pub(crate) motion: Vec<MotionSummary>,
     #[serde(skip)]
     pub(super) times: Vec<StepTimes>,
 }
@@ -101,7 +104,7 @@ impl Spread {
 }
 
 /// How far a body has moved.
-fn way(motion: &MotionSummary) -> f64 {
+pub(crate) fn way(motion: &MotionSummary) -> f64 {
     let [x, y, z] = motion.displacement;
     x.hypot(y).hypot(z)
 }
@@ -144,6 +147,7 @@ impl RunFigures {
             state_hash: None,
             interrupted: false,
             failure,
+            motion: Vec::new(),
             times,
         };
         if let Some(summary) = summary {
@@ -155,7 +159,9 @@ impl RunFigures {
             row.energy = summary.energy;
             row.energy_drift = summary.energy_drift;
             row.left = summary.left;
-            row.farthest = summary.motion.into_iter().max_by(|a, b| way(a).total_cmp(&way(b)));
+            let farthest = summary.motion.iter().max_by(|a, b| way(a).total_cmp(&way(b)));
+            row.farthest = farthest.cloned();
+            row.motion = summary.motion;
             row.links = summary.links;
             row.helices = summary.helices;
             row.state_hash = Some(summary.state_hash);
@@ -165,7 +171,7 @@ impl RunFigures {
     }
 
     /// Its name, and whether it recycles, which it usually does.
-    pub(super) fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         let Setting { detector, recycling, .. } = self.setting;
         if recycling { detector.to_owned() } else { format!("{detector}, not recycled") }
     }
@@ -291,44 +297,52 @@ pub(super) fn text(rows: &[RunFigures]) -> String {
 }
 
 /// What does not fit into a table.
-pub(crate) fn notes(rows: &[RunFigures]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for row in rows {
-        let name = row.name();
-        if let Some(why) = &row.failure {
+fn notes(rows: &[RunFigures]) -> Vec<String> {
+    rows.iter().flat_map(|row| [row.troubles(), row.places()].concat()).collect()
+}
+
+impl RunFigures {
+    /// What went wrong, and threads beyond the first.
+    pub(crate) fn troubles(&self) -> Vec<String> {
+        let (name, mut notes) = (self.name(), Vec::new());
+        if let Some(why) = &self.failure {
             notes.push(format!("{name} did not finish, {why}"));
         }
-        if row.interrupted {
-            notes.push(format!("{name} was interrupted after {} steps", row.steps));
+        if self.interrupted {
+            notes.push(format!("{name} was interrupted after {} steps", self.steps));
         }
-        if let Some(d) = row.deepest.as_ref().filter(|d| d.depth > 0.0) {
-            let DeepestSummary { a, b, step, .. } = d;
-            notes.push(format!("{name}: deepest between {a} and {b}, after {step} steps"));
-        }
-        if let Some(ContainedSummary { a, b, step, .. }) = &row.contained {
+        if let Some(ContainedSummary { a, b, step, .. }) = &self.contained {
             notes.push(format!(
                 "{name}: {a} and {b}, one wholly within the other, after {step} steps"
             ));
         }
-        if let Some(PartedSummary { a, b, step }) = row.parted() {
+        if let Some(PartedSummary { a, b, step }) = self.parted() {
             notes.push(format!("{name}: {a} and {b} parted first, after {step} steps"));
         }
-        if let Some(LeftSummary { body, step }) = row.left.iter().min_by_key(|left| left.step) {
+        if let Some(LeftSummary { body, step }) = self.left.iter().min_by_key(|left| left.step) {
             notes.push(format!("{name}: {body} left the world after {step} steps"));
         }
-        if let Some(motion) = &row.farthest {
-            let [x, y, z] = motion.displacement;
-            let body = &motion.body;
-            notes.push(format!("{name}: {body} moved farthest, by ({x:.3}, {y:.3}, {z:.3})"));
-        }
-        for helix in row.helices.iter().skip(1) {
+        for helix in self.helices.iter().skip(1) {
             notes.push(format!(
                 "{name}: {} on {}: {:.3} turns, {:.4} off the helix",
                 helix.nut, helix.bolt, helix.turns, helix.deviation_max
             ));
         }
+        notes
     }
-    notes
+
+    /// Where bodies overlapped, and which went farthest.
+    fn places(&self) -> Vec<String> {
+        let (name, mut notes) = (self.name(), Vec::new());
+        if let Some(d) = self.deepest.as_ref().filter(|d| d.depth > 0.0) {
+            let DeepestSummary { a, b, step, .. } = d;
+            notes.push(format!("{name}: deepest between {a} and {b}, after {step} steps"));
+        }
+        if let Some(MotionSummary { body, displacement: [x, y, z], .. }) = &self.farthest {
+            notes.push(format!("{name}: {body} moved farthest, by ({x:.3}, {y:.3}, {z:.3})"));
+        }
+        notes
+    }
 }
 
 /// All rows, a line each.
@@ -395,11 +409,20 @@ mod tests {
     use super::*;
     use cranny_rapier::Detector;
 
+    impl RunFigures {
+        /// Of steps that took so many milliseconds.
+        pub(crate) fn sample(detector: Detector, ms: &[f64]) -> Self {
+            let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
+            let detector = detector.name();
+            let setting = Setting { detector, recycling: true, substeps: 4, prepared_s: 0.5 };
+            Self::new(setting, times.collect(), None, None)
+        }
+    }
+
     fn row(detector: Detector, recycling: bool, ms: &[f64]) -> RunFigures {
-        let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
-        let detector = detector.name();
-        let setting = Setting { detector, recycling, substeps: 4, prepared_s: 0.5 };
-        RunFigures::new(setting, times.collect(), None, None)
+        let mut row = RunFigures::sample(detector, ms);
+        row.setting.recycling = recycling;
+        row
     }
 
     #[test]

@@ -12,10 +12,10 @@ use std::path::Path;
 
 use cranny_concavity::Concavities;
 use cranny_geometry::{Finding, Model};
-use cranny_render::{DrawList, DrawMeshError};
+use cranny_render::DrawMeshError;
 
-use crate::args::{Show, Up};
-use crate::picture::{self, Trouble};
+use crate::args::{CutAxis, Show, Up};
+use crate::picture::{self, Drawing, Trouble};
 use canvas::Canvas;
 
 /// What is drawn, and how it stands.
@@ -25,6 +25,8 @@ pub(super) struct View {
     pub(super) show: Show,
     /// Which axis of the model points up.
     pub(super) up: Up,
+    /// Across which axis of the model it is cut open.
+    pub(super) cut: Option<CutAxis>,
 }
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
@@ -42,30 +44,41 @@ pub(super) fn check(concavities: &Concavities, show: Show) -> Result<(), String>
     }
 }
 
-/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours
-/// mean.
+/// Draws a model of a name and writes the picture as PNG: whole, or not at all. Returns what its
+/// colours mean.
 pub(super) fn draw(
     model: &Model,
     concavities: &Concavities,
     findings: &[Finding],
-    view: View,
+    (view, name): (View, &str),
     path: &Path,
 ) -> Result<Vec<String>, Trouble> {
     let mut said = Vec::new();
     picture::draw(path, || {
-        let (list, legend) = draw_list(model, concavities, findings, view)?;
+        let (drawing, legend) = drawing(model, concavities, findings, view)?;
         said = legend;
-        Ok(list)
+        Ok(Drawing { title: format!("{name}: {}", title(view.show)), ..drawing })
     })?;
     Ok(said)
 }
 
-fn draw_list(
+/// What a picture shows.
+fn title(show: Show) -> String {
+    match show {
+        Show::Classes => "concavities and their caps".to_owned(),
+        Show::Patches => "patches of nearly one normal".to_owned(),
+        Show::Boxes(level) => format!("level {level} of the box trees of concavities"),
+        Show::Envelope(depth) => format!("layers of envelopes at depth {depth}"),
+        Show::Findings => "findings".to_owned(),
+    }
+}
+
+fn drawing(
     model: &Model,
     concavities: &Concavities,
     findings: &[Finding],
     view: View,
-) -> Result<(DrawList, Vec<String>), DrawMeshError> {
+) -> Result<(Drawing, Vec<String>), DrawMeshError> {
     let mut canvas = Canvas::new(model, concavities);
     match view.show {
         Show::Classes => classes::draw_classes(&mut canvas),
@@ -74,7 +87,7 @@ fn draw_list(
         Show::Envelope(layer) => envelope::draw_layer(&mut canvas, layer),
         Show::Findings => findings::draw_findings(&mut canvas, findings),
     }
-    canvas.finish(view.up)
+    canvas.finish(view)
 }
 
 #[cfg(test)]
@@ -82,15 +95,23 @@ mod tests {
     use super::*;
     use cranny_exact::DVec3;
     use cranny_geometry::{BuildOptions, Mesh};
-    use cranny_render::{Camera, Color, ImageSize, Preset, Renderer, RendererOptions, palette};
+    use cranny_render::{
+        Camera, Color, DrawList, ImageSize, Preset, Renderer, RendererOptions, palette,
+    };
     use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
+
+    fn listed(drawing: Drawing) -> DrawList {
+        let Ok([view]) = <[_; 1]>::try_from(drawing.views) else { panic!("one view") };
+        view.list
+    }
 
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
         let (model, mut report) = Model::build(mesh, &BuildOptions::default()).unwrap();
         let concavities = Concavities::of(&model);
         report.add(concavities.findings(&model));
-        let view = View { show, up: Up::Z };
-        draw_list(&model, &concavities, &report.findings, view).unwrap()
+        let view = View { show, up: Up::Z, cut: None };
+        let (drawing, legend) = drawing(&model, &concavities, &report.findings, view).unwrap();
+        (listed(drawing), legend)
     }
 
     fn cup() -> Mesh {
@@ -119,6 +140,7 @@ mod tests {
         // The lid, a polygon of 16 corners.
         assert_eq!(list.instances[1].mesh.triangle_count(), 14);
         assert!(legend.contains(&"concavities by number: blue 0".to_owned()), "{legend:?}");
+        assert!(legend.contains(&"amber: caps, translucent".to_owned()), "{legend:?}");
         for level in 0..3 {
             let (list, _) = drawn(cup(), Show::Boxes(level));
             let lines = list.lines.iter().filter(|line| line.color == palette(0)).count();
@@ -165,8 +187,9 @@ mod tests {
         let (model, report) = Model::build(cup(), &BuildOptions::default()).unwrap();
         let concavities = Concavities::of(&model);
         let top = |up| {
-            let view = View { show: Show::Classes, up };
-            let (list, _) = draw_list(&model, &concavities, &report.findings, view).unwrap();
+            let view = View { show: Show::Classes, up, cut: None };
+            let (drawing, _) = drawing(&model, &concavities, &report.findings, view).unwrap();
+            let list = listed(drawing);
             let heights = list.lines.iter().flat_map(|line| [line.from.z, line.to.z]);
             (list.bounds().min.z, heights.fold(f64::NEG_INFINITY, f64::max))
         };
@@ -179,6 +202,34 @@ mod tests {
             assert_eq!(up.upright(axis), DVec3::Z);
             let [x, y, z] = DVec3::AXES.map(|axis| up.upright(axis));
             assert_eq!(x.cross(y).dot(z), 1.0, "a turn, no reflection");
+        }
+    }
+
+    #[test]
+    fn what_is_before_a_cut_is_taken_away() {
+        let (model, report) = Model::build(cup(), &BuildOptions::default()).unwrap();
+        let concavities = Concavities::of(&model);
+        for (show, cut) in [(Show::Classes, CutAxis::Y), (Show::Envelope(0), CutAxis::X)] {
+            let view = View { show, up: Up::Z, cut: Some(cut) };
+            let (drawing, _) = drawing(&model, &concavities, &report.findings, view).unwrap();
+            let list = listed(drawing);
+            let section = list.section.unwrap();
+            assert!(section.normal.dot(cut.direction()).abs() == 1.0, "{section:?}");
+            let before = |p: DVec3| section.before(p) > 1e-9;
+            let lines = list.lines.iter();
+            assert!(lines.clone().count() > 5);
+            assert!(lines.clone().all(|line| !before(line.from) && !before(line.to)));
+            let [body, glass] = list.instances.as_slice() else { panic!("a body and its caps") };
+            assert!(body.cut && !glass.cut);
+            // What is cut of caps and facets is half of them, and has an edge in the plane.
+            assert!(
+                glass.mesh.bounds().max.dot(section.normal)
+                    < 1e-6 + section.point.dot(section.normal)
+            );
+            let within = |p: DVec3| section.before(p).abs() < 1e-9;
+            assert!(lines.clone().any(|line| line.width[0].to_bits() == canvas::EDGE.to_bits()
+                && within(line.from)
+                && within(line.to)));
         }
     }
 

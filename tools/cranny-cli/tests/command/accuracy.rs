@@ -59,6 +59,10 @@ impl Scene {
 }
 
 impl Scene {
+    fn page(&self) -> String {
+        fs::read_to_string(self.folder.path("out").join("accuracy.html")).unwrap()
+    }
+
     fn assert_drawn(&self, name: &str, words: &[&str]) {
         let svg = fs::read_to_string(self.folder.path("out").join(name)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
@@ -190,6 +194,12 @@ fn an_impatient_user_gets_fewer_poses() {
     for row in scene.rows() {
         assert!(number(&row, "poses") >= 1.0 && number(&row, "poses") < FRAMES as f64, "{row:?}");
     }
+    scene.assert_drawn("accuracy.svg", &["timed on fewer poses"]);
+    let html = scene.page();
+    for row in scene.rows() {
+        let poses = number(&row, "overlapping_poses");
+        assert!(html.contains(&format!("<td>{poses} of ")), "{poses}");
+    }
     for name in ["refinement.csv", "refinement.svg"] {
         assert!(!scene.folder.path("out").join(name).exists(), "no budget, nothing to refine");
     }
@@ -237,7 +247,7 @@ fn errors_are_judged_where_bodies_are_apart_and_where_they_overlap() {
 fn the_page_needs_no_other_file_and_says_what_follows() {
     let scene = Scene::new();
     assert_eq!(scene.accuracy(&["--runs", "1"]).code, Some(0));
-    let html = fs::read_to_string(scene.folder.path("out").join("accuracy.html")).unwrap();
+    let html = scene.page();
     assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
     for word in [
         "<h1>What accuracy costs in time: cup.obj and ball.obj</h1>",
@@ -250,6 +260,7 @@ fn the_page_needs_no_other_file_and_says_what_follows() {
         "What ten times less error costs",
         "Convex pieces are ",
         "<dt>warm, cold</dt>",
+        "An open pose has no answer whether the bodies meet",
     ] {
         let plain = word.replace("&#39;", "'");
         assert!(html.contains(word) || html.contains(&plain), "{word}");
@@ -257,6 +268,16 @@ fn the_page_needs_no_other_file_and_says_what_follows() {
     for outside in ["src=\"http", "href=", "<script", "url("] {
         assert!(!html.contains(outside), "{outside}");
     }
+    assert!(!html.contains("timed on fewer poses") && !html.contains(" of 24</td>"));
+    // What the page says to be open is what the table of figures has.
+    let rows = scene.rows();
+    let sum = |names: [&str; 2]| -> usize {
+        rows.iter().flat_map(|row| names.map(|name| number(row, name) as usize)).sum()
+    };
+    let [answers, open] =
+        [["apart_poses", "overlapping_poses"], ["apart_open", "overlapping_open"]].map(sum);
+    let said = format!("Of {answers} answers in this table {open} are open; ");
+    assert!(open > 0 && html.contains(&said), "{said}");
     // No page for what could not be measured.
     let ladder = 1 + 5;
     assert_eq!(html.matches("<tr>").count(), ladder + 1 + scene.rows().len());
@@ -291,6 +312,9 @@ fn a_scene_is_measured_at_the_poses_of_its_run() {
         &said,
         "fall",
         "What it does to the motion",
+        "A step is quickest under ",
+        "Bodies end ",
+        "Where that was, and who moved:",
         "cranny accuracy fall.ron --out DIR --duration 0.5 --runs 1",
     ] {
         assert!(html.contains(word), "{word}");

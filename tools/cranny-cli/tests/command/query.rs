@@ -4,14 +4,14 @@ use cranny_geometry::Mesh;
 use cranny_shapes::Cuboid;
 use serde_json::Value;
 
-use crate::harness::{Folder, Outcome, run};
+use crate::harness::{Folder, Outcome, argument, run};
 
 /// The unit cube along x beside itself, a quarter of its edge aside: apart, face to face,
 /// overlapping by half and by three quarters.
 const SHIFTS: [f64; 4] = [1.5, 1.0, 0.5, 0.25];
 
 struct Cubes {
-    _folder: Folder,
+    folder: Folder,
     cube: String,
     poses: String,
 }
@@ -23,7 +23,7 @@ impl Cubes {
         let pose =
             |x: f64| format!(r#"{{"a": null, "b": [1,0,0,{x}, 0,1,0,0.25, 0,0,1,0.25, 0,0,0,1]}}"#);
         let poses = folder.write("poses.json", format!("[{}]", SHIFTS.map(pose).join(",")));
-        Self { _folder: folder, cube, poses }
+        Self { folder, cube, poses }
     }
 
     fn query(&self, options: &[&str]) -> Outcome {
@@ -178,4 +178,30 @@ fn text_has_a_line_a_pose_below_a_heading() {
     assert!(lines[1].contains("none") && lines[1].contains("5.000000000e-1"), "{}", lines[1]);
     let columns = |line: &str| line.chars().count();
     assert!(lines.iter().all(|line| columns(line) == columns(lines[0])), "{}", text.stdout);
+}
+
+/// The picture is beside the answers, which stay what they are.
+#[test]
+fn heat_is_painted_beside_the_answers() {
+    let cubes = Cubes::new();
+    let picture = argument(&cubes.folder.path("heat.png"));
+    let plain = |mut line: Value| {
+        line["micros"] = Value::Null;
+        line
+    };
+    let lines = |options: &[&str]| -> Vec<Value> {
+        let outcome = cubes.query(options);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome.json_lines().into_iter().map(plain).collect()
+    };
+    assert_eq!(lines(&["--heat", &picture]), lines(&[]));
+    match std::fs::read(&picture) {
+        Ok(png) => assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000),
+        Err(error) => println!("skipped: no picture: {error}"),
+    }
+    cubes
+        .query(&["--heat", &picture, "--accuracy", "hulls"])
+        .assert_refused(2, &["--heat", "--accuracy"]);
+    cubes.query(&["--heat", &picture, "--budget", "9"]).assert_refused(2, &["--heat", "--budget"]);
+    cubes.query(&["--heat", "heat.txt"]).assert_refused(2, &["heat.txt", "png"]);
 }

@@ -5,15 +5,15 @@ use plotters::prelude::*;
 use super::{NAMES, SIZE, axes, floored};
 use crate::accuracy::figures::MethodFigures;
 use crate::accuracy::panel::Panel;
-use crate::chart::{Area, BLUE, Failed, ORANGE, PURPLE, SKY, VERMILION, Words, marks, svg};
+use crate::chart::labels::{Field, Pixel, Room};
+use crate::chart::{
+    Area, BLUE, Failed, GREY, LogChart, ORANGE, PURPLE, RADIUS, SKY, Sign, VERMILION, Words, frame,
+    marks, name, svg,
+};
 use crate::failure::Failure;
 
-/// Pixels of a name: of a letter, roughly, and of a line.
-const LETTER: i32 = 7;
-const LINE: i32 = 13;
-
-/// Pixels from a dot's middle to its rim.
-const DOT: i32 = 4;
+/// A name that finds no room this near to its mark, in pixels, is left out: the table has it.
+const REACH: f64 = 26.0;
 
 /// A point that is no better than this share of the error of a quicker one is left out: a line
 /// shows what more time buys.
@@ -126,39 +126,6 @@ fn front<'a>(all: &'a [MethodFigures], line: &MethodLine, kind: &PanelChart) -> 
     spots
 }
 
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
-    left: i32,
-    top: i32,
-    width: i32,
-}
-
-impl Room {
-    fn of_dot((x, y): (i32, i32)) -> Self {
-        Self { left: x - DOT, top: y - LINE / 2, width: 2 * DOT }
-    }
-
-    fn overlaps(&self, other: &Self) -> bool {
-        let beside = self.left + self.width <= other.left || other.left + other.width <= self.left;
-        !beside && (self.top - other.top).abs() < LINE
-    }
-}
-
-/// Where about a dot at a pixel its name covers no other, if anywhere; takes that room.
-fn room((x, y): (i32, i32), name: &str, taken: &mut Vec<Room>) -> Option<Room> {
-    let width = LETTER * name.len() as i32;
-    let (right, left) = (x + 6, x - 6 - width);
-    let (above, below) = (y - LINE - 2, y + 3);
-    let places = [(right, above), (right, below), (left, above), (left, below)];
-    let found = places
-        .map(|(left, top)| Room { left, top, width })
-        .into_iter()
-        .find(|place| !taken.iter().any(|other| place.overlaps(other)))?;
-    taken.push(found);
-    Some(found)
-}
-
 /// The chart as SVG.
 ///
 /// # Errors
@@ -177,8 +144,11 @@ fn draw(area: &Area<'_>, all: &[MethodFigures]) -> Result<(), Failed> {
         draw_kind(panel, all, kind)?;
     }
     let used = LINES.iter().filter(|line| all.iter().any(|row| (line.belongs)(row)));
-    let names = used.map(|line| (line.name.to_owned(), dot(line)));
-    marks(&legend, (12, 70), names)
+    let names = used.map(|line| (line.name.to_owned(), (Sign::Dot, dot(line))));
+    let is_partial = |kind: &PanelChart| all.iter().any(|row| (kind.of)(row).is_partial());
+    let fewer = shown.iter().any(|kind| is_partial(kind));
+    let partial = ("timed on fewer poses".to_owned(), (Sign::Triangle, GREY.filled()));
+    marks(&legend, (12, 70), names.chain(fewer.then_some(partial)))
 }
 
 fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &PanelChart) -> Result<(), Failed> {
@@ -186,9 +156,6 @@ fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &PanelChart) -> Resul
         LINES.iter().map(|line| (line, front(all, line, kind))).collect();
     let times = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1.0));
     let mut chart = axes(area, times, &kind.words)?;
-    // Names keep clear of all dots.
-    let dots = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1));
-    let mut taken: Vec<Room> = dots.map(|at| Room::of_dot(chart.backend_coord(&at))).collect();
     for (line, spots) in &fronts {
         for ends in spots.windows(2) {
             // Nothing lies between an error and none: there the line is a hint.
@@ -197,19 +164,35 @@ fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &PanelChart) -> Resul
             let style = line.color.mix(strength).stroke_width(if is_hint { 1 } else { 2 });
             chart.draw_series(LineSeries::new(ends.iter().map(|spot| spot.1), style))?;
         }
-        chart.draw_series(spots.iter().map(|(_, at)| Circle::new(*at, DOT, dot(line))))?;
-        // Where there is no room a dot has no name; those of cold lines are called as the warm are.
-        let text = ("sans-serif", 13).into_font().color(&line.color);
+    }
+    // From here on pixels count: those of the whole drawing.
+    let root = area.use_screen_coord();
+    let mut field = field(&chart, &fronts);
+    for (line, spots) in &fronts {
+        for (row, at) in spots {
+            let sign = if (kind.of)(row).is_partial() { Sign::Triangle } else { Sign::Dot };
+            sign.draw(&root, chart.backend_coord(at), dot(line))?;
+        }
+        // Those of cold lines are called as the warm are.
         for (row, at) in spots.iter().filter(|(row, _)| line.filled && row.name.is_ours()) {
-            let (name, pixel) = (row.name.label(), chart.backend_coord(at));
-            if let Some(Room { left, top, .. }) = room(pixel, &name, &mut taken) {
-                let offset = (left - pixel.0, top - pixel.1);
-                let name = Text::new(name, offset, text.clone());
-                chart.draw_series([EmptyElement::at(*at) + name])?;
+            let label = row.name.label();
+            if let Some(placing) = field.place(chart.backend_coord(at), RADIUS, &label) {
+                name(&root, &placing, &label, line.color)?;
             }
         }
     }
     Ok(())
+}
+
+/// Marks and lines, of which names keep clear.
+fn field(chart: &LogChart<'_, '_>, fronts: &[(&MethodLine, Vec<Spot>)]) -> Field {
+    let pixels: Vec<Vec<Pixel>> = fronts
+        .iter()
+        .map(|(_, spots)| spots.iter().map(|spot| chart.backend_coord(&spot.1)).collect())
+        .collect();
+    let marks = pixels.iter().flatten().map(|at| Room::of_mark(*at, RADIUS)).collect();
+    let lines = pixels.iter().flat_map(|line| line.windows(2).map(|ends| [ends[0], ends[1]]));
+    Field::new(frame(chart), marks, lines.collect(), REACH)
 }
 
 fn dot(line: &MethodLine) -> ShapeStyle {
@@ -221,20 +204,6 @@ mod tests {
     use super::*;
     use crate::accuracy::chart::FLOOR;
     use crate::accuracy::method::Name;
-
-    #[test]
-    fn names_keep_clear_of_each_other_or_are_left_out() {
-        let mut taken = Vec::new();
-        let first = room((100, 100), "tree:4", &mut taken).unwrap();
-        assert_eq!((first.left, first.top, first.width), (106, 85, 42));
-        for _ in 0..3 {
-            assert!(room((101, 101), "tree:6", &mut taken).is_some());
-        }
-        assert_eq!(room((99, 100), "tree:8", &mut taken), None);
-        assert_eq!(taken.len(), 4);
-        assert!(taken.iter().enumerate().all(|(i, a)| taken[..i].iter().all(|b| !a.overlaps(b))));
-        assert!(room((300, 100), "tree:8", &mut taken).is_some());
-    }
 
     #[test]
     fn a_line_rises_in_time_and_falls_in_error() {

@@ -6,10 +6,15 @@ use std::sync::Arc;
 use cranny_concavity::Concavities;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{EdgeKind, FaceId, Model};
-use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
+use cranny_render::palette::OVERLAP;
+use cranny_render::{
+    Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Key, Line, Mark, Preset, Section,
+    palette,
+};
 
-use super::coloring;
-use crate::args::Up;
+use super::envelope::clip;
+use super::{View, coloring};
+use crate::picture::{Drawing, PictureView};
 
 /// Of what has no colour of its own.
 pub(super) const GREY: Color = Color::rgb(186, 191, 198);
@@ -27,16 +32,26 @@ pub(super) const LINE_WIDTH: f32 = 2.5;
 const HIDDEN: u8 = 70;
 
 /// Opacity of caps and envelopes.
-const GLASS: u8 = 84;
+const GLASS: u8 = 110;
+
+/// Corners that are nearer to a cut than this share of the body's size lie in it: those of a
+/// clipped polygon are off by rounding.
+const FLAT: f64 = 1e-12;
 
 /// So many things of one colour are named in a legend; the others are counted.
 const SPELT: usize = 4;
 
-/// Half way to white, so that a cap is distinguished from what lies beneath it.
+/// Half way to white.
 pub(super) fn lightened(color: Color) -> Color {
     let [r, g, b] = [color.r, color.g, color.b].map(|channel| channel.midpoint(u8::MAX));
     Color { r, g, b, ..color }
 }
+
+/// Colours at most that have keys of their own below a picture.
+const KEYS: usize = 8;
+
+/// Width of the edges of caps and facets that are cut, in pixels.
+pub(super) const EDGE: f32 = 4.0;
 
 /// What is drawn, and what it means.
 pub(super) struct Canvas<'m> {
@@ -45,6 +60,10 @@ pub(super) struct Canvas<'m> {
     pub(super) faces: Vec<Color>,
     pub(super) list: DrawList,
     pub(super) legend: Vec<String>,
+    /// Lines of the legend that have a mark in the picture.
+    keys: Vec<Key>,
+    /// What stands below the picture: the other lines of the legend.
+    caption: Vec<String>,
     glass: (Vec<DVec3>, Vec<[u32; 3]>, Vec<Color>),
     /// Whether a face is drawn as glass; none, as long as nobody asks for it.
     is_glass: Vec<bool>,
@@ -59,9 +78,25 @@ impl<'m> Canvas<'m> {
             faces: vec![GREY; model.mesh().faces().len()],
             list: DrawList::new(),
             legend: Vec::new(),
+            keys: Vec::new(),
+            caption: Vec::new(),
             glass: (Vec::new(), Vec::new(), Vec::new()),
             is_glass: vec![false; model.mesh().faces().len()],
         }
+    }
+
+    /// A line of the legend: what a mark means, which is called something in words.
+    pub(super) fn explain(&mut self, called: &str, mark: Mark, meaning: impl Into<String>) {
+        let meaning = meaning.into();
+        self.legend.push(format!("{called}: {meaning}"));
+        self.keys.push(Key::new(mark, meaning));
+    }
+
+    /// A line of the legend that no mark stands for.
+    pub(super) fn remark(&mut self, words: impl Into<String>) {
+        let words = words.into();
+        self.legend.push(words.clone());
+        self.caption.push(words);
     }
 
     /// Draws only some faces as they are and the others as glass, so that one sees what these
@@ -89,23 +124,29 @@ impl<'m> Canvas<'m> {
         colors
     }
 
-    /// A line of the legend that names the colours of things by their numbers.
-    pub(super) fn explain_colors(&mut self, what: &str, colors: &[usize]) {
+    /// A line of the legend that names the colours of things by their numbers; `what` is one of
+    /// them, and many.
+    pub(super) fn explain_colors(&mut self, what: [&str; 2], colors: &[usize]) {
         let mut of_color: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (id, &color) in colors.iter().enumerate() {
             of_color.entry(color).or_default().push(id);
         }
-        let named = of_color.into_iter().map(|(color, ids)| {
+        let mut named = Vec::new();
+        for (color, ids) in of_color {
             let found: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
             let more = match ids.len().saturating_sub(SPELT) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
-            format!("{} {}{more}", coloring::name(color), found.join(", "))
-        });
-        let named: Vec<String> = named.collect();
+            let called = what[usize::from(ids.len() > 1)];
+            let numbers = format!("{}{more}", found.join(", "));
+            named.push(format!("{} {numbers}", coloring::name(color)));
+            if named.len() <= KEYS {
+                self.keys.push(Key::new(Mark::Body(palette(color)), format!("{called} {numbers}")));
+            }
+        }
         if !named.is_empty() {
-            self.legend.push(format!("{what} by number: {}", named.join("; ")));
+            self.legend.push(format!("{} by number: {}", what[1], named.join("; ")));
         }
     }
 
@@ -136,8 +177,10 @@ impl<'m> Canvas<'m> {
         self.list.lines.extend(through);
     }
 
-    /// Marks the edges that are not sound, and hands over what is drawn, upright, and its legend.
-    pub(super) fn finish(mut self, up: Up) -> Result<(DrawList, Vec<String>), DrawMeshError> {
+    /// Marks the edges that are not sound, and hands over what is drawn, upright and cut as it is
+    /// wanted, and its legend.
+    pub(super) fn finish(mut self, view: View) -> Result<(Drawing, Vec<String>), DrawMeshError> {
+        let View { up, cut, .. } = view;
         self.mark_edges();
         let mesh = self.model.mesh();
         let (mut shown, mut colors) = (Vec::new(), Vec::new());
@@ -153,8 +196,7 @@ impl<'m> Canvas<'m> {
         let upright = |points: &[DVec3]| points.iter().map(|&p| up.upright(p)).collect::<Vec<_>>();
         let body = upright(mesh.vertices());
         let body = DrawMesh::with_face_colors(&body, &shown, &colors)?;
-        let (corners, faces, colors) = &self.glass;
-        let glass = DrawMesh::with_face_colors(&upright(corners), faces, colors)?;
+        self.glass.0 = upright(&self.glass.0);
         for line in &mut self.list.lines {
             (line.from, line.to) = (up.upright(line.from), up.upright(line.to));
         }
@@ -162,18 +204,60 @@ impl<'m> Canvas<'m> {
             point.position = up.upright(point.position);
         }
         if let Some(axis) = up.name_unless_usual() {
-            self.legend.push(format!("{axis} points up"));
+            self.remark(format!("{axis} points up"));
         }
-        let mut add = |mesh: DrawMesh, color: Color| {
-            let instance = Instance::solid(Arc::new(mesh), Pose::IDENTITY, color);
-            self.list.instances.push(instance);
-        };
-        add(body, Color::WHITE);
+        let body = Instance::solid(Arc::new(body), Pose::IDENTITY, Color::WHITE);
+        self.list.instances.push(body);
+        if let Some(axis) = cut {
+            self.cut(up.upright(axis.direction()));
+        }
+        let (corners, faces, colors) = &self.glass;
         if !faces.is_empty() {
-            add(glass, Color::WHITE.with_alpha(GLASS));
+            let glass = Arc::new(DrawMesh::with_face_colors(corners, faces, colors)?);
+            let color = Color::WHITE.with_alpha(GLASS);
+            self.list.instances.push(Instance::solid(glass, Pose::IDENTITY, color));
         }
-        self.list.ground = Some(Ground::under(&self.list.bounds()));
-        Ok((self.list, self.legend))
+        // The shadow of what is taken away would tell of it.
+        let ground = Ground::under(&self.list.bounds());
+        self.list.ground = Some(Ground { shadows: cut.is_none(), ..ground });
+        let Self { list, keys, caption, legend, .. } = self;
+        let views = vec![PictureView::of(list)];
+        Ok((Drawing { views, keys, caption, title: String::new() }, legend))
+    }
+
+    /// Takes away all that is before the plane through the body's middle across an axis, on the
+    /// side of the viewer.
+    fn cut(&mut self, axis: DVec3) {
+        let toward = if axis.dot(Preset::Isometric.direction()) < 0.0 { -axis } else { axis };
+        let middle = self.list.instances[0].mesh.bounds().center();
+        let Some(section) = Section::through(middle, toward, OVERLAP) else { return };
+        self.list.section = Some(section);
+        for body in &mut self.list.instances {
+            body.cut = true;
+        }
+        self.list.lines.retain_mut(|line| cut_line(&section, line));
+        self.list.points.retain(|point| section.before(point.position) <= 0.0);
+        let (corners, faces, colors) = std::mem::take(&mut self.glass);
+        for (face, color) in faces.into_iter().zip(colors) {
+            let mut polygon = face.map(|corner| corners[corner as usize]).to_vec();
+            clip(&mut polygon, toward, toward.dot(middle));
+            self.add_glass(&polygon, color);
+            let edge: Vec<DVec3> = polygon
+                .into_iter()
+                .filter(|&p| section.before(p).abs() < FLAT * self.size())
+                .collect();
+            if let [from, to] = edge[..] {
+                self.list.push_line(from, to, color, EDGE);
+            }
+        }
+        self.explain("hatched", Mark::Hatched(Color::WHITE), "where the body is cut open");
+        if !self.glass.1.is_empty() {
+            self.remark("thick lines: where what is translucent is cut");
+        }
+    }
+
+    fn size(&self) -> f64 {
+        self.model.bounds().diagonal()
     }
 
     fn mark_edges(&mut self) {
@@ -196,6 +280,19 @@ impl<'m> Canvas<'m> {
             "orange lines: edges along which orientations contradict",
             "violet lines: edges of more than two faces",
         ];
-        self.legend.extend(words.into_iter().zip(seen).filter(|w| w.1).map(|w| w.0.to_owned()));
+        words.into_iter().zip(seen).filter(|w| w.1).for_each(|w| self.remark(w.0));
     }
+}
+
+/// Shortens a line to its part behind a section; `false` where it has none.
+fn cut_line(section: &Section, line: &mut Line) -> bool {
+    let [from, to] = [line.from, line.to].map(|p| section.before(p));
+    let crossing = line.from + from / (from - to) * (line.to - line.from);
+    match (from > 0.0, to > 0.0) {
+        (true, true) => return false,
+        (true, false) => line.from = crossing,
+        (false, true) => line.to = crossing,
+        (false, false) => {}
+    }
+    true
 }

@@ -3,12 +3,15 @@
 use cranny_concavity::Concavities;
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{Content, EdgeId};
-use cranny_render::{Color, Point, palette};
+use cranny_render::{Color, Mark, Point, palette};
 
-use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};
+use super::canvas::{Canvas, GREY, INK, LINE_WIDTH, lightened};
 use super::enclosed::lay_bare_what_is_enclosed;
 
 const HULL: Color = Color { r: 40, g: 90, b: 170, a: 120 };
+
+/// Of caps: no concavity is drawn so strong.
+const CAP: Color = Color::rgb(235, 145, 0);
 
 /// With more facets than this, their outlines would cover the picture.
 const OUTLINED_FACETS: usize = 2_000;
@@ -21,21 +24,19 @@ const BOX_WIDTH: f32 = 1.8;
 pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
     let model = canvas.model;
     let mesh = model.mesh();
-    canvas.legend.push("grey: faces on the hull".to_owned());
     let colors = draw_concavities(canvas);
     for cap in canvas.concavities.caps() {
-        if let Some(concavity) = cap.concavity {
-            let corners = cap.corners.map(|v| mesh.position(v));
-            canvas.add_glass(&corners, lightened(palette(colors[concavity.index()])));
+        if cap.concavity.is_some() {
+            canvas.add_glass(&cap.corners.map(|v| mesh.position(v)), CAP);
         }
     }
     if !colors.is_empty() {
-        canvas.legend.push("translucent: caps; dark lines: boundary loops".to_owned());
+        canvas.explain("amber", Mark::Body(CAP), "caps, translucent");
     }
     draw_facets(canvas);
     let isolated = canvas.concavities.features().isolated_vertices();
     if !isolated.is_empty() {
-        canvas.legend.push("dark dots: vertices on the hull without a face on it".to_owned());
+        canvas.remark("dark dots: vertices on the hull without a face on it");
     }
     for &vertex in isolated {
         let position = mesh.position(vertex);
@@ -58,14 +59,11 @@ pub(super) fn draw_patches(canvas: &mut Canvas<'_>) {
         }
     }
     let count = patches.len();
-    canvas
-        .legend
-        .push(format!("{count} patches in colours; neighbours differ; dark lines: borders"));
+    canvas.remark(format!("{count} patches in colours; neighbours differ; dark lines: borders"));
 }
 
 /// The boxes of one level of the concavities' trees; of branches that end before, the leaves.
 pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
-    canvas.legend.push("grey: faces on the hull; dark lines: boundary loops".to_owned());
     let colors = draw_concavities(canvas);
     // Pale, or the boxes would not show before faces of their own colour.
     for face in &mut canvas.faces {
@@ -80,7 +78,7 @@ pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
         }
     }
     canvas.let_lines_shine_through(first);
-    canvas.legend.push(format!(
+    canvas.remark(format!(
         "boxes of level {level} of the concavities' trees: {count}, in the colour of theirs"
     ));
 }
@@ -118,11 +116,15 @@ fn boxes(concavities: &Concavities, tree: usize, level: usize) -> Vec<Aabb> {
 fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
     let (mesh, concavities) = (canvas.model.mesh(), canvas.concavities);
     let colors = canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
-    canvas.explain_colors("concavities", &colors);
+    canvas.explain("grey", Mark::Body(GREY), "faces on the hull");
+    canvas.explain_colors(["concavity", "concavities"], &colors);
     lay_bare_what_is_enclosed(canvas);
     for rim in concavities.iter().flat_map(|concavity| concavity.loops()) {
         let corners: Vec<DVec3> = rim.vertices.iter().map(|&v| mesh.position(v)).collect();
         canvas.add_loop(&corners, INK, LINE_WIDTH);
+    }
+    if !colors.is_empty() {
+        canvas.explain("dark lines", Mark::Line(INK), "boundary loops");
     }
     colors
 }
@@ -141,7 +143,7 @@ fn draw_facets(canvas: &mut Canvas<'_>) {
             }
         }
     }
-    canvas.legend.push("thin blue lines: edges of the hull".to_owned());
+    canvas.explain("thin blue lines", Mark::Line(HULL.with_alpha(u8::MAX)), "edges of the hull");
 }
 
 #[cfg(test)]

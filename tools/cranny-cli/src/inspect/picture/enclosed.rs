@@ -23,5 +23,5 @@ pub(super) fn lay_bare_what_is_enclosed(canvas: &mut Canvas<'_>) {
     canvas.lay_bare(|face| {
         concavities.of_face(face).is_some_and(|id| !has_lid(id) && !around.contains(&id))
     });
-    canvas.legend.push("what surrounds concavities without a lid is translucent".to_owned());
+    canvas.remark("what surrounds concavities without a lid is translucent");
 }

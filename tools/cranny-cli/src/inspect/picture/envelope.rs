@@ -4,9 +4,9 @@ use cranny_concavity::envelope::{EnvelopeFacet, HalfSpace};
 use cranny_concavity::{Concavities, EnvelopeFacetId, Envelopes, LayerId};
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::FaceId;
-use cranny_render::palette;
+use cranny_render::{Mark, palette};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, GREY};
 use super::enclosed::lay_bare_what_is_enclosed;
 
 /// Pixels.
@@ -42,9 +42,13 @@ pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
         canvas.add_loop(polygon, palette(color), OUTLINE);
     }
     lay_bare_what_is_enclosed(canvas);
-    canvas.legend.push(found(depth, &shown));
-    canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
-    canvas.legend.push("grey: faces on the hull, or beneath no facet of this layer".to_owned());
+    canvas.remark(found(depth, &shown));
+    canvas.remark(
+        "beyond all facets of a layer lies a convex core, which touches no face beneath them",
+    );
+    canvas.remark("faces have the colour of the facet that they lie beneath");
+    let mark = Mark::Body(GREY);
+    canvas.explain("grey", mark, "faces on the hull, or beneath no facet of this layer");
 }
 
 /// How many facets there are, and why some, or all, are not seen.
@@ -123,7 +127,7 @@ fn clip_to_box(polygon: &mut Vec<DVec3>, bounds: &Aabb) {
 }
 
 /// Keeps what has `normal · x <= offset` of a convex polygon (Sutherland and Hodgman 1974).
-fn clip(polygon: &mut Vec<DVec3>, normal: DVec3, offset: f64) {
+pub(super) fn clip(polygon: &mut Vec<DVec3>, normal: DVec3, offset: f64) {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (i, &to) in polygon.iter().enumerate() {
         let from = polygon[(i + polygon.len() - 1) % polygon.len()];

@@ -1,9 +1,9 @@
 //! Where findings are: the faces concerned in colours, a dot at each.
 
 use cranny_geometry::{Element, FaceId, Finding, FindingKind};
-use cranny_render::{Point, palette};
+use cranny_render::{Mark, Point, palette};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, GREY};
 use super::coloring;
 use super::enclosed::lay_bare_what_is_enclosed;
 
@@ -23,15 +23,15 @@ pub(super) fn draw_findings(canvas: &mut Canvas<'_>, findings: &[Finding]) {
         let (position, color) = (finding.at, palette(color));
         canvas.list.points.push(Point { position, color, radius: DOT, on_top: true });
     }
-    let words = kinds.iter().enumerate().map(|(color, kind)| {
-        format!("{}: {}", coloring::name(color), kind.name().replace('_', " "))
-    });
-    canvas.legend.extend(words);
-    if !kinds.is_empty() {
-        canvas.legend.push("dots: where; grey: faces of no finding".to_owned());
+    for (color, kind) in kinds.iter().enumerate() {
+        let meaning = kind.name().replace('_', " ");
+        canvas.explain(&coloring::name(color), Mark::Body(palette(color)), meaning);
     }
     if kinds.is_empty() {
-        canvas.legend.push("nothing was found".to_owned());
+        canvas.remark("nothing was found");
+    } else {
+        canvas.explain("grey", Mark::Body(GREY), "faces of no finding");
+        canvas.remark("dots: where");
     }
 }
 
