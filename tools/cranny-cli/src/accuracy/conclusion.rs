@@ -20,12 +20,14 @@ const MISJUDGED: f64 = 0.01;
 /// A kind of poses, in words, and its panel of a row.
 struct PoseKind {
     place: &'static str,
+    /// What is measured there.
+    lengths: &'static str,
     of: fn(&MethodFigures) -> &Panel,
 }
 
 const KINDS: [PoseKind; 2] = [
-    PoseKind { place: "where bodies are apart", of: |row| &row.apart },
-    PoseKind { place: "where they overlap", of: |row| &row.overlapping },
+    PoseKind { place: "where bodies are apart", lengths: "gaps", of: |row| &row.apart },
+    PoseKind { place: "where they overlap", lengths: "depths", of: |row| &row.overlapping },
 ];
 
 const PIECES: &str = "parry-decomposition";
@@ -72,10 +74,16 @@ pub(super) fn ladder(all: &[MethodFigures]) -> Table {
 }
 
 /// When convex pieces are the better choice, by these figures; `None` where they have none.
-pub(super) fn about_pieces(all: &[MethodFigures], runs: &[RunFigures]) -> Option<String> {
+/// `typical`: the gap and the depth in the middle, as shares of the size.
+pub(super) fn about_pieces(
+    all: &[MethodFigures],
+    typical: [Option<f64>; 2],
+    runs: &[RunFigures],
+) -> Option<String> {
     let pieces = all.iter().find(|row| row.name.method == PIECES && row.note.is_none())?;
+    let kinds = KINDS.iter().zip(typical);
     let judged: Vec<(bool, String)> =
-        KINDS.iter().filter_map(|kind| kind.choice(all, pieces)).collect();
+        kinds.filter_map(|(kind, length)| kind.choice(all, pieces, length)).collect();
     let of_kind = |is_better: bool| -> Vec<&str> {
         judged.iter().filter(|(is, _)| *is == is_better).map(|(_, why)| &**why).collect()
     };
@@ -216,8 +224,13 @@ impl PoseKind {
         Some(format!("{name} {} and {off} on average{wrong}.", pace(us / exact)))
     }
 
-    /// Whether a peer is the better choice, and why.
-    fn choice(&self, all: &[MethodFigures], row: &MethodFigures) -> Option<(bool, String)> {
+    /// Whether a peer is the better choice, and why; `length`: the gap or the depth in the middle.
+    fn choice(
+        &self,
+        all: &[MethodFigures],
+        row: &MethodFigures,
+        length: Option<f64>,
+    ) -> Option<(bool, String)> {
         let peer = (self.of)(row);
         let (us, error) = (peer.mean_us?, peer.error?);
         let exact = self.exact(all)?.us;
@@ -226,6 +239,15 @@ impl PoseKind {
             let (wrong, poses) = (peer.wrong, peer.poses);
             let why = format!(
                 "{place}: they are wrong about whether bodies meet at {wrong} of {poses} poses"
+            );
+            return Some((false, why));
+        }
+        if let Some(length) = length.filter(|length| error > length.max(NONE)) {
+            let why = format!(
+                "{place}: they are off by {}, and half of the {} are no more than {}",
+                percent(error),
+                self.lengths,
+                percent(length)
             );
             return Some((false, why));
         }
@@ -349,7 +371,7 @@ mod tests {
 
     #[test]
     fn pieces_are_the_better_choice_where_they_are_quicker_at_their_error_and_right() {
-        let about = |pieces| about_pieces(&[ours(), vec![pieces]].concat(), &[]);
+        let about = |pieces| about_pieces(&[ours(), vec![pieces]].concat(), [None; 2], &[]);
         let said = about(peer(PIECES, 2.0, 0.005, 0)).unwrap();
         assert_eq!(
             said,
@@ -365,6 +387,13 @@ mod tests {
         );
         let said = about(peer(PIECES, 1.0, 0.005, 8)).unwrap();
         assert!(said.ends_with("wrong about whether bodies meet at 8 of 700 poses."), "{said}");
-        assert_eq!(about_pieces(&ours(), &[]), None);
+        assert_eq!(about_pieces(&ours(), [None; 2], &[]), None);
+        let coarse = [ours(), vec![peer(PIECES, 2.0, 0.005, 0)]].concat();
+        let said = about_pieces(&coarse, [Some(0.001), None], &[]).unwrap();
+        assert_eq!(
+            said,
+            "Convex pieces are not the better choice where bodies are apart: they are off by \
+             0.5 %, and half of the gaps are no more than 0.1 %."
+        );
     }
 }

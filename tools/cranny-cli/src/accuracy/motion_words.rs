@@ -100,8 +100,11 @@ fn depths(runs: &[RunFigures], sizes: &Sizes) -> Option<String> {
         true => "not at all".to_owned(),
         false => format!("by {} at most", rounded(least)),
     };
+    let aside = runs.iter().filter(|run| depth(run).is_none()).map(RunFigures::name);
+    let aside = listed(aside);
+    let aside = if aside.is_empty() { aside } else { format!(", {aside} aside") };
     Some(format!(
-        "Bodies sink deepest into each other under {}: {place}; least under {best}: {least}.",
+        "Bodies sink deepest into each other under {}{aside}: {place}; least under {best}: {least}.",
         worst.name()
     ))
 }

@@ -146,7 +146,7 @@ pub(super) fn page(
         Err(why) => page.paragraph(why),
     }
     paragraphs(all).iter().for_each(|words| page.emphasis(words));
-    about_pieces(all, &shown.runs).iter().for_each(|words| page.emphasis(words));
+    about_pieces(all, typical(judged), &shown.runs).iter().for_each(|words| page.emphasis(words));
     page.heading("What ten times less error costs");
     let (headings, rows) = ladder(all);
     page.table(&headings, &rows);
@@ -354,15 +354,31 @@ fn open(all: &[MethodFigures]) -> Option<String> {
     ))
 }
 
+/// Ascending lengths of the poses that are meant, as shares of the size of the smaller body.
+fn shares(judged: &Judged, length: fn(&Truth) -> f64, is_meant: fn(&Truth) -> bool) -> Vec<f64> {
+    let meant = judged.truths.iter().enumerate().filter(|(_, truth)| is_meant(truth));
+    let all = meant.map(|(i, truth)| length(truth) / judged.motion.posed(i).size());
+    let mut all: Vec<f64> = all.collect();
+    all.sort_unstable_by(f64::total_cmp);
+    all
+}
+
+/// Gaps of poses that are apart and depths of those that overlap.
+fn gaps_and_depths(judged: &Judged) -> [Vec<f64>; 2] {
+    [
+        shares(judged, |truth| truth.distance, |truth| !truth.meets),
+        shares(judged, |truth| truth.depth, Truth::overlaps),
+    ]
+}
+
+/// The gap and the depth in the middle.
+fn typical(judged: &Judged) -> [Option<f64>; 2] {
+    gaps_and_depths(judged).map(|all| quantile(&all, 50))
+}
+
 fn poses(shown: &PageSubject, judged: &Judged) -> String {
     let (truths, pairs) = (&judged.truths, judged.motion.pairs().len());
-    let share = |length: fn(&Truth) -> f64, is_meant: fn(&Truth) -> bool| {
-        let meant = truths.iter().enumerate().filter(|(_, truth)| is_meant(truth));
-        let all = meant.map(|(i, truth)| length(truth) / judged.motion.posed(i).size());
-        let mut all: Vec<f64> = all.collect();
-        all.sort_unstable_by(f64::total_cmp);
-        (all.len(), quantile(&all, 50), all.last().copied())
-    };
+    let share = |all: Vec<f64>| (all.len(), quantile(&all, 50), all.last().copied());
     let reported = |(count, median, most): (usize, Option<f64>, Option<f64>)| {
         let [median, most] = [median, most].map(|share| share.map(part));
         match median.zip(most) {
@@ -372,8 +388,7 @@ fn poses(shown: &PageSubject, judged: &Judged) -> String {
             }
         }
     };
-    let apart = share(|truth| truth.distance, |truth| !truth.meets);
-    let overlapping = share(|truth| truth.depth, Truth::overlaps);
+    let [apart, overlapping] = gaps_and_depths(judged).map(share);
     format!(
         "{} There are {} poses of {pairs} {}: apart {}; overlapping {}. Lengths and errors are \
          shares of the size of the smaller body, from corner to corner of its box.",
