@@ -273,6 +273,30 @@ fn a_world_that_teleports_is_sorted_anew() {
     assert_eq!(twins.tested.counters().rebuilds, 1);
 }
 
+/// Far-apart boxes that trade places have as few neighbours as before, also in the update after.
+#[test]
+fn boxes_that_trade_places_are_not_near_everything() {
+    trade_places::<BoxTree>();
+    trade_places::<AdaptiveBroadPhase>();
+}
+
+fn trade_places<B: BroadPhase + Default>() {
+    let cube = |i: u32| {
+        let min = 3.0 * DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100));
+        Aabb { min, max: min + DVec3::ONE }
+    };
+    let mut twins = Twins::<B>::new();
+    (0..1_000).for_each(|i| twins.insert(i, cube(i), Motion::Moving));
+    twins.update();
+    for push in [0.0, 0.01, 0.02] {
+        (0..1_000).for_each(|i| twins.set_box(i, shifted(cube(999 - i), DVec3::splat(push))));
+        twins.update();
+        let tests = twins.tested.counters().box_tests;
+        // Of 499,500 pairs.
+        assert!(tests < 60_000, "{tests} tests after a push of {push}");
+    }
+}
+
 #[test]
 fn bulk_insertion_removal_and_waking() {
     come_go_and_wake::<SweepAndPrune>();

@@ -18,6 +18,11 @@ const UPDATES: f64 = 16.0;
 /// everything.
 const LARGEST_SHARE: f64 = 0.25;
 
+/// A step of more than so many of the box's largest extents is a jump, which says nothing of the next
+/// one. Smaller: what is fast is searched for in every update; larger: where all bodies are put
+/// elsewhere, each is near all others, and candidates are as many as pairs.
+const JUMP: f64 = 4.0;
+
 /// The least room of what has moved or may, as such a share: single precision alone gives none.
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
@@ -44,7 +49,8 @@ pub(super) fn fattened(before: &Aabb, now: &Aabb) -> FatBox {
     let (step, size) = (step(before, now), (now.max - now.min).max_element());
     // Infinite faces have no room and need none.
     let [step, size] = [step, size].map(|x| if x.is_finite() { x } else { 0.0 });
-    let room = (UPDATES * step).clamp(LEAST_SHARE * size, LARGEST_SHARE * size).max(step);
+    let room = (UPDATES * step).clamp(LEAST_SHARE * size, LARGEST_SHARE * size);
+    let room = if step <= JUMP * size { room.max(step) } else { room };
     let room = DVec3::splat(room);
     rounded(&Aabb { min: now.min - room, max: now.max + room })
 }
@@ -117,7 +123,7 @@ mod tests {
         assert_eq!(room(0.0), LEAST_SHARE);
         assert_eq!(room(1.0 / 128.0), 16.0 / 128.0);
         assert_eq!(room(0.125), LARGEST_SHARE);
-        assert_eq!(room(8.0), 8.0);
+        assert_eq!([room(4.0), room(4.5)], [4.0, LARGEST_SHARE]);
         let half_space = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::new(1.0, 1.0, 0.0) };
         assert_eq!(fattened(&half_space, &half_space), rounded(&half_space));
     }
