@@ -18,8 +18,8 @@ const UPDATES: f64 = 16.0;
 /// everything.
 const LARGEST_SHARE: f64 = 0.25;
 
-/// A step of more than so many of the box's largest extents is a jump, which says nothing of the next
-/// one. Smaller: what is fast is searched for in every update; larger: where all bodies are put
+/// A step of more than so many of the box's largest extents is a jump, and says nothing of the
+/// next. Smaller: what is fast is searched for in every update; larger: where all bodies are put
 /// elsewhere, each is near all others, and candidates are as many as pairs.
 const JUMP: f64 = 4.0;
 
