@@ -19,7 +19,6 @@
 
 mod build;
 mod components;
-mod covers;
 mod followed;
 mod nesting;
 mod region;
@@ -36,8 +35,7 @@ use crate::boundary::Loops;
 use crate::caps::CapSurface;
 use crate::features::NONE;
 use crate::ids::{CapId, ConcavityId, LidId};
-pub use covers::{FeatureCover, HullCovers};
-use cranny_geometry::hull::{ConvexHull, FacetId};
+use cranny_geometry::hull::FacetId;
 use cranny_geometry::{FaceId, VertexId};
 pub use followed::{ConcavityChange, ConcavityWork, FollowedConcavities};
 use splice::Disturbance;
@@ -398,8 +396,7 @@ impl ConcavitySet {
         }
     }
 
-    /// What covers a facet of the hull. O(1). For edges and vertices see
-    /// [`Concavities::hull_covers`].
+    /// What covers a facet of the hull. O(1).
     #[must_use]
     pub fn cover(&self, facet: FacetId) -> Cover {
         match self.cover[facet.index()] {
@@ -423,12 +420,6 @@ impl ConcavitySet {
     /// ascending.
     pub fn shared_facets(&self) -> impl Iterator<Item = [FacetId; 2]> + '_ {
         self.caps.shared.iter().map(|entry| entry.map(FacetId))
-    }
-
-    /// What covers a triangle of the hull: what covers its facet. O(1).
-    #[must_use]
-    pub fn cover_of_triangle(&self, hull: &ConvexHull, triangle: usize) -> Cover {
-        self.cover(hull.facet_of_triangle(triangle))
     }
 
     /// What lies between the hull and the faces on it.
