@@ -138,7 +138,7 @@ fn building(quick: bool) -> Result<Table, ShapeError> {
         let [tree, whole] = race(
             Patience::of(quick),
             [&mut || keep(FaceTree::of(&mesh, BuildOptions::DEFAULT_LEAF_SIZE)), &mut || {
-                keep(Patches::of(&mesh, &topology))
+                keep(Patches::of(&mesh, &topology));
             }],
         );
         rows.push(vec![
