@@ -45,7 +45,7 @@ use section::Section;
 
 impl Model {
     /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always
-    /// gives the same bytes, 70 to 150 a face. Cost: linear.
+    /// gives the same bytes, 65 to 125 a face. Cost: linear.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let Parts {
