@@ -441,6 +441,26 @@ impl ConcavitySet {
         &self.caps.crossed
     }
 
+    /// With nothing but the concavities of faces, and caps that belong to none.
+    fn blank(concavity_of_face: Vec<u32>, caps: CapSurface) -> Self {
+        Self {
+            records: Vec::new(),
+            faces: Vec::new(),
+            concavity_of_face,
+            cap_order: Vec::new(),
+            concavity_of_cap: vec![NONE; caps.triangles.len()],
+            lid_of_cap: vec![NONE; caps.triangles.len()],
+            caps,
+            lids: Vec::new(),
+            loops: Loops::new(),
+            borders: Vec::new(),
+            outlines: Loops::new(),
+            outline_facets: Vec::new(),
+            cover: Vec::new(),
+            skin: Skin::default(),
+        }
+    }
+
     fn record_end(&self, id: ConcavityId, of: impl Fn(&Record) -> u32, all: usize) -> u32 {
         self.records.get(id.index() + 1).map_or(all as u32, of)
     }
