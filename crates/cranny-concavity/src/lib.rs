@@ -57,8 +57,7 @@ pub mod walk;
 
 pub use concavity::{
     Border, BoundaryLoop, CapTriangle, Concavities, Concavity, ConcavityChange, ConcavityKind,
-    ConcavitySet, ConcavityWork, Cover, FeatureCover, FollowedConcavities, HullCovers, Lid,
-    Measures, Skin, Stage,
+    ConcavitySet, ConcavityWork, Cover, FollowedConcavities, Lid, Measures, Skin, Stage,
 };
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use features::Features;

@@ -103,12 +103,9 @@ impl Estimate {
                 _ => answer.separation,
             },
             witnesses: answer.witnesses,
-            places: Vec::new(),
             counters: answer.counters,
-            ended_by_budget: false,
-            needed_to_go_on: 0,
-            hull_steps: 0,
             answer: Some(answer),
+            ..Self::blank()
         }
     }
 

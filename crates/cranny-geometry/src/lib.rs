@@ -90,7 +90,7 @@ pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, OptionalIndex, PatchId, V
 pub use mass::{MassProperties, SurfaceProperties};
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};
-pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};
+pub use patches::{NormalCone, Patch, Patches};
 pub use polygon::{SplitPolygon, split_polygon};
 pub use repair::Repair;
 pub use repair::proof::ProofError;

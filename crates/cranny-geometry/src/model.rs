@@ -112,7 +112,7 @@ impl Model {
             topology,
             hull,
             tree: FromStored::made(tree),
-            patches: FromStored::made(patches),
+            patches,
             clusters: Late::default(),
             mass,
             radius,
@@ -191,24 +191,20 @@ impl Model {
     }
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make at their first use:
-    /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the
-    /// graph over the vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever
-    /// wants no late cost.
+    /// [`tree`](Self::tree), the [search tree](Self::clusters), the graph over the vertices of the
+    /// [`hull`](Self::hull), and the faces at vertices. For whoever wants no late cost.
     pub fn prepare_all(&self) {
         self.0.tree();
-        self.0.patches();
         self.0.clusters();
         self.0.hull.prepare_all();
         self.0.topology.prepare_all();
     }
 
     /// The surface in connected patches of nearly one normal.
-    ///
-    /// A model that was [loaded](Self::decode) makes their boxes at the first call, in linear time.
     #[must_use]
     #[inline]
     pub fn patches(&self) -> &Patches {
-        self.0.patches()
+        &self.0.patches
     }
 
     /// The search tree that questions about pairs go down.

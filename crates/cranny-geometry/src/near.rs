@@ -3,8 +3,7 @@
 //! Distances that a repair relies on are rounded upward, so that 'within' is certain. At distance 0
 //! 'on the edge' is decided by signs.
 //!
-//! Source: the slab test is that of Kay and Kajiya (1986, "Ray tracing complex scenes"). Cost: the
-//! nodes of the tree that lie near, O(log n) as a rule where few faces do.
+//! Source: none. Cost: the nodes of the tree that lie near, O(log n) as a rule where few faces do.
 
 use cranny_exact::{Aabb, DVec2, DVec3, orient2d};
 
@@ -70,14 +69,7 @@ pub(crate) fn on_line(p: DVec3, a: DVec3, b: DVec3) -> bool {
 
 /// The corners of faces near the box, each once, ascending.
 pub(crate) fn corners_near(mesh: &Mesh, tree: &FaceTree, near: &Aabb) -> Vec<VertexId> {
-    let mut found = Vec::new();
-    tree.visit(
-        |b| b.overlaps(near),
-        |face| {
-            let inside = |v: &VertexId| near.contains_point(mesh.position(*v));
-            found.extend(mesh.corners(face).into_iter().filter(inside));
-        },
-    );
+    let (mut found, _) = tree.vertices_within(mesh, near);
     found.sort_unstable();
     found.dedup();
     found
@@ -95,7 +87,7 @@ pub(crate) fn corners_along(
     let around = Aabb::of_points([a, b]).grown(margin);
     let mut found = Vec::new();
     tree.visit(
-        |bounds| bounds.overlaps(&around) && segment_may_meet([a, b], &bounds.grown(margin)),
+        |bounds| bounds.overlaps(&around) && bounds.grown(margin).entered_at(a, b).is_some(),
         |face| {
             let near = |v: &VertexId| wanted(*v) && around.contains_point(mesh.position(*v));
             found.extend(mesh.corners(face).into_iter().filter(near));
@@ -104,26 +96,6 @@ pub(crate) fn corners_along(
     found.sort_unstable();
     found.dedup();
     found
-}
-
-/// The slab test. May say yes too often, never no where they meet: the parameters' roundings are
-/// allowed for.
-pub(crate) fn segment_may_meet([a, b]: [DVec3; 2], bounds: &Aabb) -> bool {
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    for axis in 0..3 {
-        let along = b[axis] - a[axis];
-        if along == 0.0 {
-            if a[axis] < bounds.min[axis] || a[axis] > bounds.max[axis] {
-                return false;
-            }
-            continue;
-        }
-        let t0 = (bounds.min[axis] - a[axis]) / along;
-        let t1 = (bounds.max[axis] - a[axis]) / along;
-        enter = enter.max(t0.min(t1));
-        leave = leave.min(t0.max(t1));
-    }
-    enter <= leave + ROUNDINGS // both lie in [0, 1] where it matters
 }
 
 #[cfg(test)]
@@ -189,6 +161,8 @@ mod tests {
     #[test]
     fn slabs_keep_what_touches() {
         let bounds = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
+        let segment_may_meet =
+            |[a, b]: [DVec3; 2], bounds: &Aabb| bounds.entered_at(a, b).is_some();
         assert!(segment_may_meet([-DVec3::X, 2.0 * DVec3::X], &bounds)); // along an edge
         assert!(segment_may_meet([-DVec3::ONE, DVec3::ZERO], &bounds)); // ends at a corner
         assert!(!segment_may_meet([-DVec3::X, DVec3::new(-0.5, 1.0, 1.0)], &bounds));

@@ -139,7 +139,8 @@ fn first_in_place(corners: &[DVec3]) -> Vec<u32> {
     first
 }
 
-fn lexicographic(p: DVec3, q: DVec3) -> Ordering {
+/// Order by x, then y, then z. Total for finite coordinates (−0 equals 0).
+pub(crate) fn lexicographic(p: DVec3, q: DVec3) -> Ordering {
     let compare = |a: f64, b: f64| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
     compare(p.x, q.x).then(compare(p.y, q.y)).then(compare(p.z, q.z))
 }

@@ -15,7 +15,6 @@ use cranny_exact::{
 
 use crate::ids::{ComponentId, FaceId};
 use crate::mesh::Mesh;
-use crate::near::segment_may_meet;
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 
@@ -69,7 +68,7 @@ pub(crate) fn winding(
                 }
             }
         };
-        tree.visit(|b| segment_may_meet(segment, &b.grown(0.0)), visit);
+        tree.visit(|b| b.grown(0.0).entered_at(segment[0], segment[1]).is_some(), visit);
         if on {
             return Winding::On;
         }

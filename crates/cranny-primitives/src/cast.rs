@@ -141,6 +141,7 @@ impl RoundCast<'_> {
         let mut first: Option<(f64, FaceId, LeastOnTriangle)> = None;
         each_face_on_the_way(
             self.model,
+            1.0,
             |node| self.entry(&own, &tree.node(node).bounds),
             |face| {
                 let until = first.map_or(1.0, |(time, ..)| time);
@@ -219,10 +220,12 @@ impl RoundCast<'_> {
     }
 }
 
-/// Visits the faces that may be met on a way, those of near nodes first. `entry` says when a node
-/// is reached at the earliest, if it is; `visit` up to when faces are sought from then on.
+/// Visits the faces that may be met on a way until a time (or a distance), those of near nodes
+/// first. `entry` says when a node is reached at the earliest, if it is; `visit` up to when faces
+/// are sought from then on.
 pub(crate) fn each_face_on_the_way(
     model: &Model,
+    mut until: f64,
     entry: impl Fn(u32) -> Option<f64>,
     mut visit: impl FnMut(FaceId) -> f64,
 ) {
@@ -232,7 +235,6 @@ pub(crate) fn each_face_on_the_way(
     if !tree.nodes().is_empty() {
         open.extend(entry(0));
     }
-    let mut until = 1.0;
     while let Some((at, node)) = open.pop() {
         if at > until {
             continue;

@@ -4,8 +4,9 @@
 //! slips between them, and none misses a corner.
 
 use cranny_exact::{DVec3, Sign, orient3d};
-use cranny_geometry::{Content, FaceId, Model};
+use cranny_geometry::{FaceId, Model};
 
+use crate::cast::each_face_on_the_way;
 use crate::primitive::{PrimitiveError, direction, place};
 
 /// By what the distance at which a ray enters a box may be wrong, as a share of it: a few
@@ -81,34 +82,17 @@ struct RaySegment {
 fn first_hit(model: &Model, ray: &RaySegment, length: f64) -> Option<RayHit> {
     let tree = model.tree();
     let mut best: Option<RayHit> = None;
-    let mut stack: Vec<(f64, u32)> = Vec::new();
-    let entry =
-        |node: u32| tree.node(node).bounds.entered_at(ray.from, ray.to).map(|at| (at, node));
-    if !tree.nodes().is_empty() {
-        stack.extend(entry(0));
-    }
-    while let Some((at, node)) = stack.pop() {
-        if best.is_some_and(|best| at * length * (1.0 - BOX_ROUNDING) > best.distance) {
-            continue;
-        }
-        match tree.content(node) {
-            Content::Inner { left, right } => {
-                let mut children: Vec<_> = [left, right].into_iter().filter_map(entry).collect();
-                children.sort_by(|a, b| b.0.total_cmp(&a.0));
-                stack.extend(children);
-            }
-            Content::Leaf { .. } => {
-                for &face in tree.leaf_faces(node) {
-                    let Some(hit) = ray.meets(model, face, length) else { continue };
-                    let is_first = best
-                        .is_none_or(|best| (hit.distance, hit.face) < (best.distance, best.face));
-                    if is_first {
-                        best = Some(hit);
-                    }
-                }
-            }
-        }
-    }
+    let distance_to = |node: u32| {
+        let at = tree.node(node).bounds.entered_at(ray.from, ray.to)?;
+        Some(at * length * (1.0 - BOX_ROUNDING))
+    };
+    each_face_on_the_way(model, f64::INFINITY, distance_to, |face| {
+        let is_first = |hit: &RayHit| {
+            best.is_none_or(|best| (hit.distance, hit.face) < (best.distance, best.face))
+        };
+        best = ray.meets(model, face, length).filter(is_first).or(best);
+        best.map_or(f64::INFINITY, |best| best.distance)
+    });
     best
 }
 

@@ -55,6 +55,7 @@ impl TurningCast<'_> {
         let mut first: Option<Met> = None;
         each_face_on_the_way(
             self.model,
+            1.0,
             |node| self.entry(node),
             |face| {
                 let until = first.map_or(1.0, |met| met.time);

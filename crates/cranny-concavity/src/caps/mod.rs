@@ -29,12 +29,13 @@ mod update;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
-use crate::features::{Assignment, NONE, RidgeOnFacet};
+use crate::features::{Assignment, RidgeOnFacet};
 use crate::ids::CapId;
 use chain::{ChainEdge, Origin, cancel};
 use cranny_geometry::Mesh;
 use cranny_geometry::Topology;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId};
+use cranny_geometry::rows::rows;
 use cranny_geometry::triangulate::triangulate;
 use cranny_geometry::{FaceId, HalfEdgeId, VertexId};
 use interface::Divisions;
@@ -66,7 +67,8 @@ impl CapSurface {
         ridges: &[RidgeOnFacet],
     ) -> Self {
         let facets = 0..hull.facet_count() as u32;
-        let (starts, faces) = faces_of_facets(&assignment.facet_of_face, hull.facet_count());
+        let (starts, faces) = rows(&assignment.facet_of_face, hull.facet_count());
+        let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
         let of_facet =
             |f: u32| &faces[starts[f as usize] as usize..starts[f as usize + 1] as usize];
         let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
@@ -306,26 +308,6 @@ fn ridges_of(ridges: &[RidgeOnFacet], facet: u32) -> &[RidgeOnFacet] {
     let first = ridges.partition_point(|r| r.facet < facet);
     let count = ridges[first..].partition_point(|r| r.facet == facet);
     &ridges[first..first + count]
-}
-
-/// The faces on each facet, in compressed rows.
-fn faces_of_facets(facet_of_face: &[u32], facets: usize) -> (Vec<u32>, Vec<FaceId>) {
-    let mut starts = vec![0u32; facets + 1];
-    let placed =
-        || facet_of_face.iter().enumerate().filter(|&(_, &f)| f != NONE).map(|(i, &f)| (i, f));
-    for (_, facet) in placed() {
-        starts[facet as usize + 1] += 1;
-    }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut fill = starts.clone();
-    let mut faces = vec![FaceId(0); *starts.last().unwrap_or(&0) as usize];
-    for (face, facet) in placed() {
-        faces[fill[facet as usize] as usize] = FaceId(face as u32);
-        fill[facet as usize] += 1;
-    }
-    (starts, faces)
 }
 
 /// Whether a face is a triangle of the hull, corner for corner.

@@ -11,14 +11,12 @@ use cranny_exact::{Aabb, DVec3};
 use super::components::{Components, edge_between};
 use super::nesting::{self, Surface};
 use super::{Border, ConcavityKind, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin};
-use crate::boundary::Loops;
 use crate::caps::CapSurface;
 use crate::features::{Features, NONE};
 use crate::ids::{CapId, ConcavityId};
 use cranny_geometry::Mesh;
 use cranny_geometry::hull::{ConvexHull, FacetId, lowest_first};
 use cranny_geometry::rows::rows;
-use cranny_geometry::triangulate::outlines;
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
 use cranny_geometry::{EdgeKind, Topology};
 
@@ -154,18 +152,9 @@ impl Input<'_> {
         ConcavitySet {
             records,
             lids: roots.iter().map(lid).collect(),
-            faces: Vec::new(),
-            concavity_of_face,
-            caps,
-            cap_order: Vec::new(),
             concavity_of_cap,
             lid_of_cap,
-            loops: Loops::new(),
-            borders: Vec::new(),
-            outlines: Loops::new(),
-            outline_facets: Vec::new(),
-            cover: Vec::new(),
-            skin: Skin::default(),
+            ..ConcavitySet::blank(concavity_of_face, caps)
         }
     }
 
@@ -203,13 +192,7 @@ impl Input<'_> {
             edges.extend(rims[first..last].iter().map(|&(_, e)| e));
             all.loops.split(&mut edges);
         }
-        for i in 0..all.loops.len() {
-            let row = &all.loops.vertices[all.loops.row(i)];
-            for (k, &from) in row.iter().enumerate() {
-                let to = row[(k + 1) % row.len()];
-                all.borders.push(self.border(from.0, to.0));
-            }
-        }
+        self.find_borders(all, 0);
     }
 
     /// The directed edges that remain, at an edge of the mesh, of the boundaries of concavities.
@@ -247,7 +230,18 @@ impl Input<'_> {
         }
     }
 
-    pub(super) fn border(&self, from: u32, to: u32) -> Border {
+    /// What the edges of loops border on, from a loop on.
+    pub(super) fn find_borders(&self, all: &mut ConcavitySet, first: usize) {
+        for i in first..all.loops.len() {
+            let row = &all.loops.vertices[all.loops.row(i)];
+            for (k, &from) in row.iter().enumerate() {
+                let to = row[(k + 1) % row.len()];
+                all.borders.push(self.border(from.0, to.0));
+            }
+        }
+    }
+
+    fn border(&self, from: u32, to: u32) -> Border {
         let Some(e) = edge_between(self.topology, (from.min(to), from.max(to))) else {
             return Border::Open;
         };
@@ -264,38 +258,31 @@ impl Input<'_> {
     /// Orders caps by concavity and lid, and traces the lids' outlines.
     fn gather_caps(&self, all: &mut ConcavitySet) {
         let (starts, order) = rows(&all.lid_of_cap, all.lids.len());
+        let order: Vec<CapId> = order.into_iter().map(CapId).collect();
         for (i, record) in all.records.iter_mut().enumerate() {
             record.first_lid = all.lids.partition_point(|l| l.concavity.index() < i) as u32;
             record.first_cap = starts[record.first_lid as usize];
         }
-        let mut triangles: Vec<[u32; 3]> = Vec::new();
         for lid in 0..all.lids.len() {
             all.lids[lid].first_cap = starts[lid];
             all.lids[lid].first_outline = all.outlines.len() as u32;
-            let mut caps = &order[starts[lid] as usize..starts[lid + 1] as usize];
-            while let Some(&first) = caps.first() {
-                let facet = all.caps.facet_of(CapId(first));
-                // Caps ascend, and a facet's stand together.
-                let end = all.caps.of_facet(facet).end;
-                let (piece, rest) = caps.split_at(caps.partition_point(|&cap| cap < end));
-                caps = rest;
-                triangles.clear();
-                triangles.extend(piece.iter().map(|&cap| all.caps.triangles[cap as usize]));
-                for outline in outlines(&triangles) {
-                    all.outlines.push(&outline);
-                }
-                all.outline_facets.resize(all.outlines.len(), facet);
-            }
+            all.trace_outlines(&order[starts[lid] as usize..starts[lid + 1] as usize]);
         }
-        all.cap_order = order.into_iter().map(CapId).collect();
-        let mut bears_faces = vec![false; self.hull.facet_count()];
-        for face in (0..self.mesh.faces().len() as u32).map(FaceId) {
-            if let Some(facet) = self.features.facet_of(face) {
-                bears_faces[facet.index()] = true;
-            }
-        }
+        all.cap_order = order;
+        let bears_faces = self.facets_with_faces();
         let facets = 0..self.hull.facet_count() as u32;
         all.cover = facets.map(|f| self.cover(all, FacetId(f), &bears_faces)).collect();
+    }
+
+    /// Of each facet whether faces lie on it.
+    pub(super) fn facets_with_faces(&self) -> Vec<bool> {
+        let mut bears_faces = vec![false; self.hull.facet_count()];
+        for &facet in self.features.facets_of_faces() {
+            if let Some(bears) = bears_faces.get_mut(facet as usize) {
+                *bears = true;
+            }
+        }
+        bears_faces
     }
 
     /// What covers a facet, together with those that it shares its caps with.

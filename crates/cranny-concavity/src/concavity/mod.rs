@@ -19,7 +19,6 @@
 
 mod build;
 mod components;
-mod covers;
 mod followed;
 mod nesting;
 mod region;
@@ -36,8 +35,7 @@ use crate::boundary::Loops;
 use crate::caps::CapSurface;
 use crate::features::NONE;
 use crate::ids::{CapId, ConcavityId, LidId};
-pub use covers::{FeatureCover, HullCovers};
-use cranny_geometry::hull::{ConvexHull, FacetId};
+use cranny_geometry::hull::FacetId;
 use cranny_geometry::{FaceId, VertexId};
 pub use followed::{ConcavityChange, ConcavityWork, FollowedConcavities};
 use splice::Disturbance;
@@ -398,8 +396,7 @@ impl ConcavitySet {
         }
     }
 
-    /// What covers a facet of the hull. O(1). For edges and vertices see
-    /// [`Concavities::hull_covers`].
+    /// What covers a facet of the hull. O(1).
     #[must_use]
     pub fn cover(&self, facet: FacetId) -> Cover {
         match self.cover[facet.index()] {
@@ -425,12 +422,6 @@ impl ConcavitySet {
         self.caps.shared.iter().map(|entry| entry.map(FacetId))
     }
 
-    /// What covers a triangle of the hull: what covers its facet. O(1).
-    #[must_use]
-    pub fn cover_of_triangle(&self, hull: &ConvexHull, triangle: usize) -> Cover {
-        self.cover(hull.facet_of_triangle(triangle))
-    }
-
     /// What lies between the hull and the faces on it.
     #[must_use]
     pub fn skin(&self) -> Skin {
@@ -448,6 +439,26 @@ impl ConcavitySet {
     #[must_use]
     pub fn crossed_facets(&self) -> &[FacetId] {
         &self.caps.crossed
+    }
+
+    /// With nothing but the concavities of faces, and caps that belong to none.
+    fn blank(concavity_of_face: Vec<u32>, caps: CapSurface) -> Self {
+        Self {
+            records: Vec::new(),
+            faces: Vec::new(),
+            concavity_of_face,
+            cap_order: Vec::new(),
+            concavity_of_cap: vec![NONE; caps.triangles.len()],
+            lid_of_cap: vec![NONE; caps.triangles.len()],
+            caps,
+            lids: Vec::new(),
+            loops: Loops::new(),
+            borders: Vec::new(),
+            outlines: Loops::new(),
+            outline_facets: Vec::new(),
+            cover: Vec::new(),
+            skin: Skin::default(),
+        }
     }
 
     fn record_end(&self, id: ConcavityId, of: impl Fn(&Record) -> u32, all: usize) -> u32 {

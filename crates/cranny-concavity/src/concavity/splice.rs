@@ -14,10 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::{BLANK, CANCELLED, Input, first_of_caps, twice_area_vector};
 use super::region::{Group, Part};
-use super::{
-    Concavity, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin, SurfaceSums,
-};
-use crate::boundary::Loops;
+use super::{Concavity, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, SurfaceSums};
 use crate::caps::CapSurface;
 use crate::features::{Features, NONE};
 use crate::ids::{CapId, ConcavityId};
@@ -202,22 +199,7 @@ impl ConcavitySet {
         });
         let mut order: Vec<(Key, KeptOrMade)> = kept.chain(made).collect();
         order.sort_unstable_by_key(|&(key, _)| key);
-        let mut all = ConcavitySet {
-            records: Vec::with_capacity(order.len()),
-            faces: Vec::with_capacity(self.faces.len()),
-            concavity_of_face: self.concavity_of_face.clone(),
-            cap_order: Vec::with_capacity(caps.triangles.len()),
-            concavity_of_cap: vec![NONE; caps.triangles.len()],
-            lid_of_cap: vec![NONE; caps.triangles.len()],
-            caps,
-            lids: Vec::with_capacity(self.lids.len()),
-            loops: Loops::new(),
-            borders: Vec::with_capacity(self.borders.len()),
-            outlines: Loops::new(),
-            outline_facets: Vec::with_capacity(self.outline_facets.len()),
-            cover: Vec::new(),
-            skin: Skin::default(),
-        };
+        let mut all = ConcavitySet::blank(self.concavity_of_face.clone(), caps);
         // Faces of disturbed concavities belong to none until they are assigned.
         for c in self.iter().filter(|c| disturbed[c.id().index()]) {
             c.faces.iter().for_each(|f| all.concavity_of_face[f.index()] = NONE);
@@ -293,6 +275,19 @@ impl ConcavitySet {
         }
     }
 
+    /// Appends the outlines of the last lid's caps, those of each facet by themselves.
+    pub(super) fn trace_outlines(&mut self, caps: &[CapId]) {
+        let facet = |cap: &CapId| self.caps.facet_of(*cap);
+        for piece in caps.chunk_by(|a, b| facet(a) == facet(b)) {
+            let triangles: Vec<[u32; 3]> =
+                piece.iter().map(|cap| self.caps.triangles[cap.index()]).collect();
+            for outline in outlines(&triangles) {
+                self.outlines.push(&outline);
+            }
+            self.outline_facets.resize(self.outlines.len(), self.caps.facet_of(piece[0]));
+        }
+    }
+
     fn begin_lid(&mut self, concavity: ConcavityId, area: f64, opening: cranny_exact::DVec3) {
         let first_cap = self.cap_order.len() as u32;
         let first_outline = self.outlines.len() as u32;
@@ -325,13 +320,7 @@ impl Input<'_> {
         all.faces.extend_from_slice(&group.faces);
         let first = all.loops.len();
         all.loops.split(&mut rim);
-        for i in first..all.loops.len() {
-            let row = &all.loops.vertices[all.loops.row(i)];
-            for (k, &from) in row.iter().enumerate() {
-                let to = row[(k + 1) % row.len()];
-                all.borders.push(self.border(from.0, to.0));
-            }
-        }
+        self.find_borders(all, first);
         for caps in &group.lids {
             let (mut area, mut opening) = (0.0, cranny_exact::DVec3::ZERO);
             for cap in caps {
@@ -348,15 +337,7 @@ impl Input<'_> {
             }
             all.begin_lid(id, area, opening);
             caps.iter().for_each(|cap| all.add_cap(id, cap.0));
-            let facet = |cap: &CapId| all.caps.facet_of(*cap);
-            for piece in caps.chunk_by(|a, b| facet(a) == facet(b)) {
-                let triangles: Vec<[u32; 3]> =
-                    piece.iter().map(|cap| all.caps.triangles[cap.index()]).collect();
-                for outline in outlines(&triangles) {
-                    all.outlines.push(&outline);
-                }
-                all.outline_facets.resize(all.outlines.len(), facet(&piece[0]));
-            }
+            all.trace_outlines(caps);
         }
         if let Some(record) = all.records.last_mut() {
             record.measures = measures;
@@ -382,12 +363,7 @@ impl Input<'_> {
                 None => stale.extend(concavity.caps.iter().map(|&cap| all.caps.facet_of(cap).0)),
             }
         }
-        let mut bears_faces = vec![false; facets];
-        for &facet in self.features.facets_of_faces() {
-            if let Some(bears) = bears_faces.get_mut(facet as usize) {
-                *bears = true;
-            }
-        }
+        let bears_faces = self.facets_with_faces();
         all.cover.clone_from(&before.cover);
         all.cover.resize(facets, SOLID);
         for cover in all.cover.iter_mut().filter(|c| **c != SOLID && **c != MIXED) {

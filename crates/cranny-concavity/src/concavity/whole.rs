@@ -7,7 +7,7 @@ use std::ops::Deref;
 
 use cranny_exact::DVec3;
 
-use super::{ConcavitySet, HullCovers, Stage};
+use super::{ConcavitySet, Stage};
 use crate::caps::CapSurface;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features, RidgeOnFacet};
@@ -124,13 +124,6 @@ impl Concavities {
     #[must_use]
     pub fn envelopes(&self) -> &Envelopes {
         &self.envelopes
-    }
-
-    /// What covers facets, edges and vertices of the model's hull: faces of the mesh, or lids of
-    /// which concavities. See [`HullCovers`] for the cost.
-    #[must_use]
-    pub fn hull_covers(&self, model: &Model) -> HullCovers {
-        HullCovers::of(model.mesh(), model.topology(), model.hull(), &self.features, &self.set)
     }
 
     /// What limits the meaning of concavities, of caps above all: findings that the model's own

@@ -153,12 +153,6 @@ impl Envelopes {
         Envelope { all: self, head: &self.heads[index] }
     }
 
-    /// Number of layers of all envelopes.
-    #[must_use]
-    pub fn layer_count(&self) -> usize {
-        self.layers.len()
-    }
-
     /// All facets of all envelopes; those of a layer stand together.
     #[must_use]
     pub fn facets(&self) -> &[EnvelopeFacet] {

@@ -24,7 +24,6 @@ use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
 
-use super::corners::Corners;
 use super::slabs::Slabs;
 use super::vertices::facets_of_vertices;
 use cranny_geometry::FaceTree;
@@ -70,7 +69,7 @@ impl Assignment {
         let (starts, facets) = facets_of_vertices(mesh, topology, hull, tree, &slabs);
         let mut assignment =
             Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
-        assignment.assign(mesh, topology, hull, &Corners::of(mesh, hull));
+        assignment.assign(mesh, topology, hull);
         assignment
     }
 
@@ -132,16 +131,13 @@ impl Assignment {
         common
     }
 
-    fn assign(&mut self, mesh: &Mesh, topology: &Topology, hull: &ConvexHull, corners: &Corners) {
+    fn assign(&mut self, mesh: &Mesh, topology: &Topology, hull: &ConvexHull) {
         self.facet_of_face = vec![NONE; mesh.faces().len()];
         let on_hull = self.vertices_on_hull();
         // Nearly none of a body whose hull is small.
         let is_on_hull = |f: &FaceId| mesh.corners(*f).iter().all(|v| on_hull[v.index()]);
         let faces = (0..mesh.faces().len() as u32).map(FaceId).filter(is_on_hull);
-        let equal = |face| corners.facet_of_equal(face);
-        let mut order = FacetOrder::of(hull);
-        let needles = self.assign_wide(mesh, faces, equal, &mut order);
-        self.assign_needles(mesh, topology, &needles, &mut order);
+        self.assign_faces(mesh, topology, hull, faces);
     }
 
     /// Writes the facets of moved vertices into the rows, where these are many: a look-up is
@@ -155,28 +151,28 @@ impl Assignment {
         (self.starts, self.facets) = replaced(&self.starts, &self.facets, count, &moved, |f| f);
     }
 
-    /// Places faces that are not needles; `facet_of_equal` returns the facet of the triangle of the
-    /// hull that has these corners; returns the needles among those whose corners are on the hull.
-    pub(super) fn assign_wide(
+    /// Places faces, ascending: each where the triangle of the hull that it is lies, or else on the
+    /// facet that holds it best; needles last.
+    pub(super) fn assign_faces(
         &mut self,
         mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
         faces: impl Iterator<Item = FaceId>,
-        facet_of_equal: impl Fn([VertexId; 3]) -> Option<u32>,
-        order: &mut FacetOrder<'_>,
-    ) -> Vec<FaceId> {
-        let mut needles = Vec::new();
+    ) {
+        let (mut order, mut needles) = (FacetOrder::of(hull), Vec::new());
         for f in faces {
-            let equal = facet_of_equal(mesh.corners(f));
+            let equal = hull.triangle_of(mesh.corners(f)).map(|t| hull.facet_of_triangle(t).0);
             self.facet_of_face[f.index()] = equal.unwrap_or(NONE);
             if equal.is_none() && self.may_lie_on_a_facet(mesh, f) {
                 if self.is_needle(mesh, f) {
                     needles.push(f);
                 } else {
-                    self.facet_of_face[f.index()] = self.best_facet(mesh, f, order);
+                    self.facet_of_face[f.index()] = self.best_facet(mesh, f, &mut order);
                 }
             }
         }
-        needles
+        self.assign_needles(mesh, topology, &needles, &mut order);
     }
 
     /// Whether every corner is on the hull.
@@ -185,7 +181,7 @@ impl Assignment {
     }
 
     /// Each needle follows the faces across longest edges to the first that is none.
-    pub(super) fn assign_needles(
+    fn assign_needles(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,

@@ -16,7 +16,6 @@
 //! which facet.
 
 mod assign;
-mod corners;
 mod slabs;
 mod update;
 mod vertices;

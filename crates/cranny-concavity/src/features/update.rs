@@ -16,10 +16,11 @@ use std::collections::BTreeSet;
 use cranny_exact::Aabb;
 
 use super::assign::{Assignment, NONE};
+use super::vertices::facets_at;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
 use cranny_geometry::Mesh;
 use cranny_geometry::Topology;
-use cranny_geometry::hull::{ConvexHull, FacetChange, FacetOrder};
+use cranny_geometry::hull::{ConvexHull, FacetChange};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, VertexId};
 
 /// A face that lies on another facet than it did, or was judged because its facet is gone.
@@ -89,15 +90,14 @@ impl Assignment {
             faces.extend(reaching);
         }
         for v in vertices {
-            let mut found = Vec::new();
-            match hull.vertex_of_source(v) {
-                Some(corner) => {
-                    found.extend(hull.triangles_at(corner).map(|t| hull.facet_of_triangle(t).0));
-                    found.sort_unstable();
-                    found.dedup();
+            let found = match hull.vertex_of_source(v) {
+                Some(corner) => facets_at(hull, corner),
+                None => {
+                    let mut found = Vec::new();
+                    self.slabs.around(mesh.position(v), &mut found);
+                    found
                 }
-                None => self.slabs.around(mesh.position(v), &mut found),
-            }
+            };
             let before = self.facets_of(v);
             // Within its facet a face may have folded over.
             let has_moved =
@@ -147,10 +147,7 @@ impl Assignment {
             }
         }
         let before: Vec<u32> = faces.iter().map(|f| self.facet_of_face[f.index()]).collect();
-        let equal = |face| hull.triangle_of(face).map(|t| hull.facet_of_triangle(t).0);
-        let mut order = FacetOrder::of(hull);
-        let needles = self.assign_wide(mesh, faces.iter().copied(), equal, &mut order);
-        self.assign_needles(mesh, topology, &needles, &mut order);
+        self.assign_faces(mesh, topology, hull, faces.iter().copied());
         let changed = faces.iter().zip(before).filter_map(|(&face, before)| {
             let after = self.facet_of_face[face.index()];
             let changes_class = features.is_convex(face) != (after != NONE);

@@ -20,7 +20,7 @@ use super::slabs::Slabs;
 use cranny_geometry::Mesh;
 use cranny_geometry::Topology;
 use cranny_geometry::VertexId;
-use cranny_geometry::hull::ConvexHull;
+use cranny_geometry::hull::{ConvexHull, HullVertexId};
 use cranny_geometry::{Content, FaceTree};
 
 /// A part of the tree with so few faces is not divided further: its vertices look at what it has
@@ -55,14 +55,13 @@ pub(super) fn facets_of_vertices(
         found = finder.found;
         found.sort_unstable();
     }
-    let rings = Rings::of(hull);
     let mut starts = Vec::with_capacity(count + 1);
     let mut facets = Vec::with_capacity(found.len() + 3 * hull.triangle_count());
     let (mut corners, mut others) = ((0..).zip(hull.sources()).peekable(), found.iter().peekable());
     starts.push(0);
     for v in 0..count as u32 {
         if let Some((corner, _)) = corners.next_if(|(_, source)| source.0 == v) {
-            rings.append(corner, &mut facets);
+            facets.extend(facets_at(hull, HullVertexId(corner)));
         } else if !in_company || topology.faces_at(VertexId(v)).is_empty() {
             slabs.around(mesh.position(VertexId(v)), &mut facets);
         }
@@ -169,52 +168,13 @@ impl Finder<'_> {
     }
 }
 
-/// Drops repetitions of the sorted tail; its new end.
-fn dedup_from(list: &mut [u32], first: usize) -> usize {
-    let mut end = first;
-    for i in first..list.len() {
-        if i == first || list[i] != list[end - 1] {
-            list[end] = list[i];
-            end += 1;
-        }
-    }
-    end
-}
-
-/// For each corner of the hull the facets of its triangles, with repetitions, in compressed rows.
-pub(super) struct Rings {
-    starts: Vec<u32>,
-    facets: Vec<u32>,
-}
-
-impl Rings {
-    pub(super) fn of(hull: &ConvexHull) -> Self {
-        let mut starts = vec![0u32; hull.vertex_count() + 1];
-        let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
-        for (_, v) in corners() {
-            starts[v.index() + 1] += 1;
-        }
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut fill = starts.clone();
-        let mut facets = vec![0; starts[starts.len() - 1] as usize];
-        for (t, v) in corners() {
-            facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
-            fill[v.index()] += 1;
-        }
-        Self { starts, facets }
-    }
-
-    /// Appends the facets around a corner, ascending, each once.
-    pub(super) fn append(&self, corner: usize, facets: &mut Vec<u32>) {
-        let first = facets.len();
-        let row = self.starts[corner] as usize..self.starts[corner + 1] as usize;
-        facets.extend_from_slice(&self.facets[row]);
-        facets[first..].sort_unstable();
-        let kept = dedup_from(facets, first);
-        facets.truncate(kept);
-    }
+/// The facets of the triangles around a corner of the hull, ascending, each once.
+pub(super) fn facets_at(hull: &ConvexHull, corner: HullVertexId) -> Vec<u32> {
+    let mut facets: Vec<u32> =
+        hull.triangles_at(corner).map(|t| hull.facet_of_triangle(t).0).collect();
+    facets.sort_unstable();
+    facets.dedup();
+    facets
 }
 
 #[cfg(test)]

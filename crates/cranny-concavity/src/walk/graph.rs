@@ -4,6 +4,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::OptionalIndex;
 use cranny_geometry::hull::{ConvexHull, FacetId, HullKind, HullVertexId};
+use cranny_geometry::rows::rows;
 use thiserror::Error;
 
 /// An edge of the merged layer, by one of its two half-edges: the lower one.
@@ -113,7 +114,8 @@ impl FeatureGraph {
             half_edges.push(half_edge(hull, [ends[1], ends[0]], OptionalIndex::NONE, DVec3::ZERO));
         }
         pair_up(&mut half_edges);
-        let (fan_starts, fans) = fans(hull.vertex_count(), &half_edges);
+        let origins: Vec<u32> = half_edges.iter().map(|h| h.ends[0].0).collect();
+        let (fan_starts, fans) = rows(&origins, hull.vertex_count());
         let mut graph = Self {
             half_edges,
             facets,
@@ -307,24 +309,6 @@ fn pair_up(half_edges: &mut [HalfEdge]) {
         half_edges[pair[0] as usize].twin = pair[1];
         half_edges[pair[1] as usize].twin = pair[0];
     }
-}
-
-fn fans(vertices: usize, half_edges: &[HalfEdge]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; vertices + 1];
-    for h in half_edges {
-        starts[h.ends[0].index() + 1] += 1;
-    }
-    for v in 0..vertices {
-        starts[v + 1] += starts[v];
-    }
-    let mut fill = starts.clone();
-    let mut fans = vec![0; half_edges.len()];
-    for (id, h) in half_edges.iter().enumerate() {
-        let slot = &mut fill[h.ends[0].index()];
-        fans[*slot as usize] = id as u32;
-        *slot += 1;
-    }
-    (starts, fans)
 }
 
 /// The mean of some points, summed by halves: rounding grows with the logarithm of their number,

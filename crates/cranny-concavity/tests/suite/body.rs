@@ -3,10 +3,8 @@
 
 use std::num::NonZeroUsize;
 use std::ops::Deref;
-use std::sync::OnceLock;
 
-use cranny_concavity::{Concavities, Envelopes, Features, FollowedConcavities};
-use cranny_concavity::{ConcavityChange, HullCovers};
+use cranny_concavity::{Concavities, ConcavityChange, Envelopes, Features, FollowedConcavities};
 use cranny_exact::DVec3;
 use cranny_geometry::{
     BuildError, BuildOptions, ChangeSet, DecodeError, DeformError, FaceForest, Mesh, Model, Report,
@@ -19,7 +17,6 @@ pub(crate) struct Body {
     model: Model,
     followed: FollowedConcavities,
     concavities: Concavities,
-    covers: OnceLock<HullCovers>,
     /// How often it was deformed.
     steps: usize,
 }
@@ -56,7 +53,7 @@ impl Body {
     pub(crate) fn with_leaf_size(model: Model, leaf_size: NonZeroUsize) -> Self {
         let mut followed = FollowedConcavities::with_leaf_size(&model, leaf_size);
         let concavities = followed.concavities(&model).clone();
-        Self { model, followed, concavities, covers: OnceLock::new(), steps: 0 }
+        Self { model, followed, concavities, steps: 0 }
     }
 
     /// The report holds the findings about concavities as well.
@@ -80,7 +77,6 @@ impl Body {
             0 => self.followed.concavities(&self.model).clone(),
             _ => self.followed.clone().concavities(&self.model).clone(),
         };
-        self.covers = OnceLock::new();
         Ok(Change { model, beneath })
     }
 
@@ -98,9 +94,5 @@ impl Body {
 
     pub(crate) fn envelopes(&self) -> &Envelopes {
         self.concavities.envelopes()
-    }
-
-    pub(crate) fn hull_covers(&self) -> &HullCovers {
-        self.covers.get_or_init(|| self.concavities.hull_covers(&self.model))
     }
 }

@@ -73,11 +73,8 @@ pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
 impl Builder {
     fn take(&mut self, surface: &Surface, group: usize, faces: &[FaceId]) {
         let start = self.points.len();
-        let mut names = Vec::with_capacity(3 * faces.len());
-        names.extend(faces.iter().flat_map(|&face| surface.mesh.corners(face)));
-        names.sort_unstable();
-        names.dedup();
-        self.points.extend(names.iter().map(|v| surface.places[v.index()]));
+        let vertices = surface.vertices_of(faces);
+        self.points.extend(vertices.iter().map(|v| surface.places[v.index()]));
         let points = &self.points[start..];
         let normal = grow::mean(surface, faces);
         let frame = if normal == DVec3::ZERO {

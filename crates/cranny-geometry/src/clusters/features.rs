@@ -152,15 +152,12 @@ pub(super) fn points(
     faces: &[FaceId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> Vec<Lanes3> {
-    let mut names: Vec<VertexId> =
-        faces.iter().flat_map(|&face| surface.mesh.corners(face)).collect();
-    names.sort_unstable();
-    names.dedup();
+    let vertices = surface.vertices_of(faces);
     let place = |v: &VertexId| from(surface.places[v.index()]);
-    names
+    vertices
         .chunks(LANES)
         .map(|chunk| {
-            let rest = std::iter::repeat_n(&names[0], LANES - chunk.len());
+            let rest = std::iter::repeat_n(&vertices[0], LANES - chunk.len());
             Lanes3::of(chunk.iter().chain(rest).map(place))
         })
         .collect()

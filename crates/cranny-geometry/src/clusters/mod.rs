@@ -32,7 +32,7 @@ pub use self::features::{Owned, may_be_ridge};
 pub use self::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 pub use self::oriented::OrientedBox;
 pub use self::wrenches::{WRENCH, WrenchBox, WrenchLanes};
-use crate::ids::FaceId;
+use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::patches::Patches;
 use crate::topology::Topology;
@@ -323,6 +323,15 @@ impl Surface<'_> {
 
     fn normal(&self, face: FaceId) -> DVec3 {
         self.normals[face.index()]
+    }
+
+    /// The vertices of some faces, each once, ascending.
+    fn vertices_of(&self, faces: &[FaceId]) -> Vec<VertexId> {
+        let mut vertices = Vec::with_capacity(3 * faces.len());
+        vertices.extend(faces.iter().flat_map(|&face| self.mesh.corners(face)));
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
     }
 }
 

@@ -18,7 +18,7 @@ mod writer;
 
 pub(crate) use checksum::checksum;
 pub(crate) use reader::Reader;
-pub(crate) use rows::{check_each_once, check_rows, owners, owners_of_rows};
+pub(crate) use rows::{check_each_once, check_rows, owners_of_rows};
 pub(crate) use writer::Writer;
 
 use std::fmt;

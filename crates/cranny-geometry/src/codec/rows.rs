@@ -11,7 +11,8 @@ pub(crate) fn check_rows(starts: &[u32], rows: usize, count: usize) -> Result<()
     check(starts.is_sorted(), "rows overlap")
 }
 
-/// [`owners`] of as many rows as `rows`, given by their starts and one more, each of which ascends.
+/// Of each of `count` things the row that names it, or [`NOBODY`]; none may be named twice. There
+/// are `rows` rows, given by their starts and one more, and each ascends.
 pub(crate) fn owners_of_rows(
     starts: &[u32],
     rows: usize,
@@ -36,7 +37,8 @@ pub(crate) fn owners_of_rows(
     }
     check(is_ascending, "a row is not ascending")?;
     check(is_there, "a row names what is not there")?;
-    check_named_once(&owners, members.len())?;
+    let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();
+    check(owned == members.len(), "rows name something twice")?;
     Ok(owners)
 }
 
@@ -59,44 +61,19 @@ pub(crate) fn check_each_once(
     check(is_named.iter().fold(1, |all, own| all & own) == 1, "rows name something twice")
 }
 
-/// As many have owners as were named.
-fn check_named_once(owners: &[u32], named: usize) -> Result<(), Flaw> {
-    let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();
-    check(owned == named, "rows name something twice")
-}
-
-/// Of each of `count` things the row that names it, or [`NOBODY`]; none may be named twice.
-pub(crate) fn owners<'a>(
-    count: usize,
-    rows: impl IntoIterator<Item = &'a [u32]>,
-) -> Result<Vec<u32>, Flaw> {
-    let mut owners = vec![NOBODY; count];
-    let (mut named, mut is_there) = (0, true);
-    for (row, members) in (0..).zip(rows) {
-        named += members.len();
-        for &member in members {
-            match owners.get_mut(member as usize) {
-                Some(owner) => *owner = row,
-                None => is_there = false,
-            }
-        }
-    }
-    check(is_there, "a row names what is not there")?;
-    check_named_once(&owners, named)?;
-    Ok(owners)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn each_is_named_once() {
-        let owned = |rows: &[&[u32]]| owners(5, rows.iter().copied()).ok();
-        assert_eq!(owned(&[]), Some(vec![NOBODY; 5]));
-        assert_eq!(owned(&[&[4, 0], &[], &[3]]), Some(vec![0, NOBODY, NOBODY, 2, 0]));
-        for wrong in [&[&[4, 0, 4][..]][..], &[&[1, 2], &[2]], &[&[5]], &[&[0], &[u32::MAX]]] {
-            assert_eq!(owned(wrong), None, "{wrong:?}");
+        let owned = |starts: &[u32], members: &[u32]| {
+            owners_of_rows(starts, starts.len() - 1, members, 5).ok()
+        };
+        assert_eq!(owned(&[0], &[]), Some(vec![NOBODY; 5]));
+        assert_eq!(owned(&[0, 2, 2, 3], &[0, 4, 3]), Some(vec![0, NOBODY, NOBODY, 2, 0]));
+        for wrong in [&[1, 2, 2][..], &[0, 5, 4], &[0, 1, u32::MAX]] {
+            assert_eq!(owned(&[0, 2, 3], wrong), None, "{wrong:?}");
         }
     }
 

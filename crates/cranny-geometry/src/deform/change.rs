@@ -67,8 +67,6 @@ pub struct ChangeSet {
     pub patches: Vec<Option<PatchId>>,
     /// Nodes of [`Model::tree`](crate::Model::tree).
     pub tree: NodeChanges,
-    /// Nodes of the arena of the [trees of patches](crate::Patches::trees).
-    pub patch_trees: NodeChanges,
     /// What was done.
     pub work: Work,
     /// How to follow it; `None` where nothing has changed, or everything was made anew.

@@ -11,7 +11,6 @@ use super::{ChangeSet, Trail, Work, Workshop};
 use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location};
 use crate::ids::{FaceId, VertexId};
 use crate::model::Parts;
-use crate::patches::Patches;
 use crate::tree::{FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 /// Where the hull changes and one face in so many has moved, or more, everything is built anew: to
@@ -23,9 +22,8 @@ pub(super) struct Deformation<'a> {
     parts: &'a mut Parts,
     workshop: &'a mut Workshop,
     moved: Vec<MovedFace>,
-    /// Taken out of the parts, as the following, and put back in the end.
+    /// Taken out of the parts, and put back in the end.
     tree: FaceTree,
-    patches: Patches,
     change: ChangeSet,
 }
 
@@ -40,7 +38,7 @@ impl<'a> Deformation<'a> {
         let old =
             |&face: &FaceId| MovedFace { face, old: Aabb::of_points(parts.mesh.triangle(face)) };
         let moved = faces.iter().map(old).collect();
-        let (tree, patches) = parts.take_surface();
+        let tree = parts.take_tree();
         for &(vertex, place) in moves {
             parts.mesh.set_position(vertex, place);
         }
@@ -50,7 +48,6 @@ impl<'a> Deformation<'a> {
             workshop,
             moved,
             tree,
-            patches,
             change: ChangeSet { vertices, faces, ..ChangeSet::default() },
         }
     }
@@ -70,27 +67,26 @@ impl<'a> Deformation<'a> {
         };
         let Self { parts, workshop, change, moved, .. } = &mut self;
         change.work.summed = workshop.totals.follow(parts, &change.vertices, &change.faces);
-        change.work.nodes = change.tree.count() + change.patch_trees.count();
+        change.work.nodes = change.tree.count();
         let moved = std::mem::take(moved);
         change.trail = Some(Trail { from, moved, facets, triangles });
-        self.parts.put_surface(self.tree, self.patches);
+        self.parts.put_tree(self.tree);
         (self.change, true)
     }
 
     /// Makes everything from the moved mesh.
     fn build_anew(self) -> ChangeSet {
-        let Self { parts, mut change, tree, patches, .. } = self;
-        parts.put_surface(tree, patches);
+        let Self { parts, mut change, tree, .. } = self;
+        parts.put_tree(tree);
         let renewal = Renewal::of_moved(parts);
         Totals::of(parts).follow(parts, &[], &[]);
         let Parts { mesh, hull, .. } = &*parts;
-        let (tree, patches) = (parts.tree(), parts.patches());
         let faces = mesh.faces().len();
         change.work = Work {
             is_anew: true,
             located: change.work.located,
             hull_triangles: hull.triangle_count(),
-            nodes: tree.nodes().len() + patches.trees().arena().nodes().len(),
+            nodes: parts.tree().nodes().len(),
             patched: faces,
             summed: faces + mesh.vertices().len(),
         };
@@ -112,14 +108,11 @@ impl<'a> Deformation<'a> {
     }
 
     fn follow_with_patches(&mut self) {
-        let Parts { mesh, topology, .. } = &*self.parts;
-        let Workshop { patch_trees, patch_top, .. } = &mut *self.workshop;
+        let Parts { mesh, topology, patches, .. } = &mut *self.parts;
         let body = self.tree.node(0).bounds;
-        let update =
-            self.patches.update(mesh, topology, &body, &self.moved, patch_trees, patch_top);
+        let update = patches.update(mesh, topology, &body, &self.change.faces);
         self.change.work.patched = update.faces;
         self.change.patches = update.map;
-        self.change.patch_trees = update.nodes;
     }
 
     /// Whether the hull is that of the moved mesh too; the lowest of the vertices in one place

@@ -39,8 +39,6 @@ use crate::tree::GrownAreas;
 #[derive(Clone, Debug)]
 pub(crate) struct Workshop {
     tree: GrownAreas,
-    patch_trees: GrownAreas,
-    patch_top: GrownAreas,
     /// A point certainly in the interior of the hull, if one is known.
     inside: Option<DVec3>,
     /// For each vertex a triangle of the hull above it, or near it, from which to look for where it
@@ -53,8 +51,6 @@ impl Workshop {
     fn of(parts: &Parts) -> Self {
         Self {
             tree: GrownAreas::of(parts.tree().nodes()),
-            patch_trees: GrownAreas::of(parts.patches().trees().arena().nodes()),
-            patch_top: parts.patches().top().grown_areas(),
             inside: parts.hull.inner_point(),
             above: triangles_near(parts),
             totals: Totals::of(parts),

@@ -25,7 +25,6 @@ pub(super) struct Renewal {
     /// Which faces hang together.
     topology_differs: bool,
     tree_differs: bool,
-    patches_differ: bool,
 }
 
 impl Renewal {
@@ -43,7 +42,6 @@ impl Renewal {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
             topology_differs,
             tree_differs: differ([&tree, parts.tree()], FaceTree::encode),
-            patches_differ: differ([&patches, parts.patches()], Patches::encode),
             patches,
         })
     }
@@ -52,29 +50,21 @@ impl Renewal {
     /// that is cheaper than to follow it; so nothing is compared either.
     pub(super) fn of_moved(parts: &mut Parts) -> Self {
         let Former { patches, .. } = replace(parts);
-        Self {
-            patches,
-            hull_differs: true,
-            topology_differs: false,
-            tree_differs: true,
-            patches_differ: true,
-        }
+        Self { patches, hull_differs: true, topology_differs: false, tree_differs: true }
     }
 
     /// Reports in a change set what has become of what was read.
     pub(super) fn report(&self, change: &mut ChangeSet, parts: &Parts) {
         change.hull |= self.hull_differs;
-        for (differs, nodes) in
-            [(self.tree_differs, &mut change.tree), (self.patches_differ, &mut change.patch_trees)]
-        {
-            if differs {
-                *nodes = NodeChanges { renumbered: true, ..NodeChanges::default() };
-            }
+        if self.tree_differs {
+            change.tree = NodeChanges { renumbered: true, ..NodeChanges::default() };
         }
         if self.hull_differs || self.topology_differs {
             change.trail = None;
         }
-        change.patches = same_patches(&self.patches, parts.patches());
+        let Self { patches, .. } = self;
+        let same = |id: PatchId| parts.patches.with_faces(patches.faces(id));
+        change.patches = (0..patches.len() as u32).map(PatchId).map(same).collect();
     }
 }
 
@@ -92,12 +82,12 @@ fn replace(parts: &mut Parts) -> Former {
     let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
     let patches = Patches::with_mates(mesh, topology, &mates);
     let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
-    let (former_tree, former_patches) = parts.take_surface();
-    parts.put_surface(tree, patches);
+    let former_tree = parts.take_tree();
+    parts.put_tree(tree);
     Former {
         hull: std::mem::replace(&mut parts.hull, hull),
         tree: former_tree,
-        patches: former_patches,
+        patches: std::mem::replace(&mut parts.patches, patches),
     }
 }
 
@@ -109,16 +99,4 @@ fn differ<T>(both: [&T; 2], encode: impl Fn(&T, &mut Writer)) -> bool {
         out.into_bytes()
     });
     a != b
-}
-
-/// For each patch that was read the one with the same faces.
-fn same_patches(read: &Patches, made: &Patches) -> Vec<Option<PatchId>> {
-    let same = |id: PatchId| {
-        let faces = read.faces(id);
-        let other = made.patch_of_face(*faces.first()?);
-        let is_same = made.faces(other).len() == faces.len()
-            && faces.iter().all(|&f| made.patch_of_face(f) == other);
-        is_same.then_some(other)
-    };
-    (0..read.len() as u32).map(PatchId).map(same).collect()
 }

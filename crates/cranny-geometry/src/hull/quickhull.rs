@@ -110,11 +110,14 @@ impl HullSurface {
         self.triangles.as_flattened()[half_edge as usize]
     }
 
-    /// For each of so many vertices a half-edge that starts there.
+    /// For each of so many vertices a half-edge that starts there; `NONE` where none does.
+    /// Triangles that are gone have `NONE` for corners.
     pub(super) fn leaving(&self, vertices: usize) -> Vec<u32> {
         let mut leaving = vec![NONE; vertices];
         for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
-            leaving[v as usize] = h;
+            if v != NONE {
+                leaving[v as usize] = h;
+            }
         }
         leaving
     }

@@ -51,8 +51,7 @@ pub(super) struct HullRepair<'a> {
     known: usize,
     /// The numbers of points that were no vertices.
     extra: BTreeMap<u32, u32>,
-    triangles: Vec<[u32; 3]>,
-    twins: Vec<u32>,
+    surface: HullSurface,
     /// A half-edge that starts at a vertex; `NONE` for points that are none.
     leaving: Vec<u32>,
     /// Strictly inside.
@@ -70,16 +69,14 @@ impl<'a> HullRepair<'a> {
     /// it.
     pub(super) fn new(points: &'a [DVec3], hull: ConvexHull, middle: DVec3) -> Self {
         let leaving = hull.leaving.0.into_made(|| hull.surface.leaving(hull.positions.len()));
-        let HullSurface { triangles, twins } = hull.surface;
         Self {
             points,
             known: hull.sources.len(),
             sources: hull.sources,
             positions: hull.positions,
             extra: BTreeMap::new(),
-            first_new: triangles.len() as u32,
-            triangles,
-            twins,
+            first_new: hull.surface.triangles.len() as u32,
+            surface: hull.surface,
             leaving,
             middle,
             dead: Vec::new(),
@@ -90,18 +87,18 @@ impl<'a> HullRepair<'a> {
     /// Everything is as it was. O(n).
     pub(super) fn undo(&mut self) {
         let before = self.first_new as usize;
-        self.triangles.truncate(before);
-        self.twins.truncate(3 * before);
+        self.surface.triangles.truncate(before);
+        self.surface.twins.truncate(3 * before);
         for (t, corners) in self.dead.drain(..).filter(|d| (d.0 as usize) < before) {
-            self.triangles[t as usize] = corners;
+            self.surface.triangles[t as usize] = corners;
         }
         for (h, twin) in self.replaced.drain(..).rev() {
-            self.twins[h as usize] = twin;
+            self.surface.twins[h as usize] = twin;
         }
         self.sources.truncate(self.known);
         self.positions.truncate(self.known);
         self.extra.clear();
-        self.find_leaving();
+        self.leaving = self.surface.leaving(self.sources.len());
     }
 
     fn at(&self, v: u32) -> DVec3 {
@@ -114,11 +111,7 @@ impl<'a> HullRepair<'a> {
     }
 
     fn is_alive(&self, t: u32) -> bool {
-        self.triangles[t as usize][0] != NONE
-    }
-
-    fn origin(&self, h: u32) -> u32 {
-        self.triangles[h as usize / 3][h as usize % 3]
+        self.surface.triangles[t as usize][0] != NONE
     }
 
     /// The number of a vertex that the hull before had.
@@ -138,7 +131,7 @@ impl<'a> HullRepair<'a> {
     }
 
     fn kill(&mut self, t: u32) {
-        let corners = std::mem::replace(&mut self.triangles[t as usize], [NONE; 3]);
+        let corners = std::mem::replace(&mut self.surface.triangles[t as usize], [NONE; 3]);
         self.dead.push((t, corners));
     }
 
@@ -176,7 +169,7 @@ impl<'a> HullRepair<'a> {
         let region = self.facets_around(d);
         let rim = self.rim_of(&region)?;
         let bounds = {
-            let corners = region.iter().flat_map(|&t| self.triangles[t as usize]);
+            let corners = region.iter().flat_map(|&t| self.surface.triangles[t as usize]);
             Aabb::of_points(corners.map(|v| self.at(v)))
         };
         let mut some: Vec<u32> = rim.iter().map(|edge| edge.0).collect();
@@ -211,7 +204,7 @@ impl<'a> HullRepair<'a> {
     /// The triangles around a vertex, and those that lie in one plane with one of them and hang
     /// together with it.
     fn facets_around(&self, d: u32) -> BTreeSet<u32> {
-        self.facets_of(self.spokes(d).into_iter().map(|h| h / 3).collect())
+        self.facets_of(self.surface.spokes(self.leaving[d as usize]).map(|h| h / 3).collect())
     }
 
     /// Some triangles, and those that lie in one plane with one of them and hang together with it.
@@ -219,10 +212,10 @@ impl<'a> HullRepair<'a> {
         let mut region: BTreeSet<u32> = front.iter().copied().collect();
         while let Some(t) = front.pop() {
             for h in 3 * t..3 * t + 3 {
-                let twin = self.twins[h as usize];
+                let twin = self.surface.twins[h as usize];
                 let is_flat = || {
-                    let apex = self.at(self.origin(previous(twin)));
-                    self.side_of(self.triangles[t as usize], apex) == Sign::Zero
+                    let apex = self.at(self.surface.origin(previous(twin)));
+                    self.side_of(self.surface.triangles[t as usize], apex) == Sign::Zero
                 };
                 if !region.contains(&(twin / 3)) && is_flat() {
                     region.insert(twin / 3);
@@ -233,18 +226,29 @@ impl<'a> HullRepair<'a> {
         region
     }
 
+    /// The edges of some triangles that lie between them and others, each with the half-edge
+    /// beyond it.
+    fn edges_around(
+        &self,
+        triangles: impl IntoIterator<Item = u32>,
+        is_one: impl Fn(u32) -> bool,
+    ) -> Vec<(u32, u32, u32)> {
+        let half_edges = triangles.into_iter().flat_map(|t| 3 * t..3 * t + 3);
+        let edge = |h: u32| {
+            let [from, to] = self.surface.ends(h);
+            (from, to, self.surface.twins[h as usize])
+        };
+        half_edges.map(edge).filter(|&(.., beyond)| !is_one(beyond / 3)).collect()
+    }
+
     /// The edges around triangles that hang together, each with the half-edge beyond it, in their
     /// order; `None` where they are not one loop.
     fn rim_of(&self, region: &BTreeSet<u32>) -> Option<Vec<(u32, u32, u32)>> {
         let mut edges = BTreeMap::new();
-        for h in region.iter().flat_map(|&t| 3 * t..3 * t + 3) {
-            let twin = self.twins[h as usize];
-            if !region.contains(&(twin / 3)) {
-                let (from, to) = (self.origin(h), self.origin(next(h)));
-                let is_second = edges.insert(from, (from, to, twin)).is_some();
-                if is_second {
-                    return None;
-                }
+        for edge in self.edges_around(region.iter().copied(), |t| region.contains(&t)) {
+            let is_second = edges.insert(edge.0, edge).is_some();
+            if is_second {
+                return None;
             }
         }
         let mut rim = vec![*edges.first_key_value()?.1];
@@ -256,29 +260,6 @@ impl<'a> HullRepair<'a> {
             rim.push(following);
         }
         Some(rim)
-    }
-
-    /// Finds for each vertex a half-edge that leaves it. O(n).
-    fn find_leaving(&mut self) {
-        self.leaving.clear();
-        self.leaving.resize(self.sources.len(), NONE);
-        for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
-            if v != NONE {
-                self.leaving[v as usize] = h;
-            }
-        }
-    }
-
-    /// The half-edges that leave a vertex, in the order in which its link runs.
-    fn spokes(&self, d: u32) -> Vec<u32> {
-        let first = self.leaving[d as usize];
-        let mut spokes = vec![first];
-        let mut h = self.twins[previous(first) as usize];
-        while h != first {
-            spokes.push(h);
-            h = self.twins[previous(h) as usize];
-        }
-        spokes
     }
 
     /// A triangle from the corner on whose point is the lowest.
@@ -294,20 +275,20 @@ impl<'a> HullRepair<'a> {
         let mut open: BTreeMap<(u32, u32), u32> =
             rim.iter().map(|&(from, to, beyond)| ((to, from), beyond)).collect();
         for &corners in triangles {
-            let t = self.triangles.len() as u32;
+            let t = self.surface.triangles.len() as u32;
             if self.side_of(corners, self.middle) != Sign::Negative {
                 return None;
             }
             let corners = self.lowest_first(corners);
-            self.triangles.push(corners);
-            self.twins.extend([NONE; 3]);
+            self.surface.triangles.push(corners);
+            self.surface.twins.extend([NONE; 3]);
             for h in 3 * t..3 * t + 3 {
-                let (from, to) = (self.origin(h), self.origin(next(h)));
+                let [from, to] = self.surface.ends(h);
                 self.leaving[from as usize] = h;
                 match open.remove(&(to, from)) {
                     Some(twin) => {
-                        self.twins[h as usize] = twin;
-                        let former = std::mem::replace(&mut self.twins[twin as usize], h);
+                        self.surface.twins[h as usize] = twin;
+                        let former = std::mem::replace(&mut self.surface.twins[twin as usize], h);
                         if twin / 3 < self.first_new {
                             self.replaced.push((twin, former));
                         }
@@ -327,7 +308,7 @@ impl<'a> HullRepair<'a> {
     fn put_in(&mut self, point: u32, start: Option<u32>) -> Option<u32> {
         let p = self.points[point as usize];
         let seen = self.triangle_towards(p, start)?;
-        let corners = self.triangles[seen as usize];
+        let corners = self.surface.triangles[seen as usize];
         if self.side_of(corners, p) != Sign::Positive {
             let same = corners.into_iter().find(|&c| self.at(c) == p);
             let is_first = |c: u32| self.sources[c as usize].0 < point;
@@ -336,29 +317,21 @@ impl<'a> HullRepair<'a> {
         let v = self.entered(point);
         let mut visible = BTreeSet::from([seen]);
         let mut front = vec![seen];
-        let mut horizon = Vec::new();
         while let Some(t) = front.pop() {
             for h in 3 * t..3 * t + 3 {
-                let twin = self.twins[h as usize];
+                let twin = self.surface.twins[h as usize];
                 if visible.contains(&(twin / 3)) {
                     continue;
                 }
-                if self.side_of(self.triangles[twin as usize / 3], p) == Sign::Positive {
+                if self.side_of(self.surface.triangles[twin as usize / 3], p) == Sign::Positive {
                     visible.insert(twin / 3);
                     front.push(twin / 3);
                 }
             }
         }
+        let horizon = self.edges_around(visible.iter().copied(), |t| visible.contains(&t));
         for &t in &visible {
-            for h in 3 * t..3 * t + 3 {
-                let twin = self.twins[h as usize];
-                if !visible.contains(&(twin / 3)) {
-                    horizon.push((self.origin(h), self.origin(next(h)), twin));
-                }
-            }
-        }
-        for &t in &visible {
-            for corner in self.triangles[t as usize] {
+            for corner in self.surface.triangles[t as usize] {
                 self.leaving[corner as usize] = NONE;
             }
             self.kill(t);
@@ -369,12 +342,12 @@ impl<'a> HullRepair<'a> {
         }
         let fan: Vec<[u32; 3]> = horizon.iter().map(|&(from, to, _)| [from, to, v]).collect();
         self.fill(&horizon, &fan)?;
-        Some(self.triangles.len() as u32 - 1)
+        Some(self.surface.triangles.len() as u32 - 1)
     }
 
     /// The triangle through which the ray from the middle towards a point leaves.
     fn triangle_towards(&self, p: DVec3, start: Option<u32>) -> Option<u32> {
-        let any = || (0..self.triangles.len() as u32).rev().find(|&t| self.is_alive(t));
+        let any = || (0..self.surface.triangles.len() as u32).rev().find(|&t| self.is_alive(t));
         let mut t = start.filter(|&t| self.is_alive(t)).or_else(any)?;
         let mut visited = BTreeSet::from([t]);
         loop {
@@ -383,7 +356,7 @@ impl<'a> HullRepair<'a> {
             if out.is_empty() {
                 return Some(t);
             }
-            let across = out.into_iter().map(|h| self.twins[h as usize] / 3);
+            let across = out.into_iter().map(|h| self.surface.twins[h as usize] / 3);
             match across.into_iter().find(|next| !visited.contains(next)) {
                 Some(next) => t = next,
                 // The walk has run into itself.
@@ -393,13 +366,13 @@ impl<'a> HullRepair<'a> {
         }
         let holds =
             |&t: &u32| self.is_alive(t) && (3 * t..3 * t + 3).all(|h| !self.lies_beyond(h, p));
-        (0..self.triangles.len() as u32).find(holds)
+        (0..self.surface.triangles.len() as u32).find(holds)
     }
 
     /// Whether a point lies beyond the plane through the middle and a half-edge, seen from its
     /// triangle.
     fn lies_beyond(&self, h: u32, p: DVec3) -> bool {
-        let (a, b) = (self.at(self.origin(h)), self.at(self.origin(next(h))));
+        let (a, b) = (self.at(self.surface.origin(h)), self.at(self.surface.origin(next(h))));
         orient3d(self.middle, a, b, p) == Sign::Negative
     }
 }

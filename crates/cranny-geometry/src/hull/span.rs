@@ -8,6 +8,8 @@ use std::cmp::Ordering;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d, orient3d};
 
+use crate::polygon::lexicographic;
+
 /// Affinely independent points that span the set; indices into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Span {
@@ -104,12 +106,6 @@ fn farthest(points: &[DVec3], few: [u32; 4], measure: impl Fn(DVec3) -> f64) -> 
     };
     let of_few = few.into_iter().fold((None, 0.0), largest).0;
     of_few.or_else(|| (0..points.len() as u32).fold((None, 0.0), largest).0)
-}
-
-/// Order by x, then y, then z. Total for finite coordinates (−0 equals 0).
-fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
-    let by = |x: f64, y: f64| x.partial_cmp(&y).unwrap_or(Ordering::Equal);
-    by(a.x, b.x).then(by(a.y, b.y)).then(by(a.z, b.z))
 }
 
 /// Whether three points lie on a line: exact, since the three projected areas are the components of

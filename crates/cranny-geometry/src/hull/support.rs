@@ -23,8 +23,8 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::HullVertexId;
 use super::numbering::Numbering;
-use super::quickhull::HullSurface;
-use crate::rows::{Piece, joined};
+use super::quickhull::{HullSurface, next};
+use crate::rows::{Piece, joined, rows};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
 /// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus
@@ -44,29 +44,12 @@ pub(super) struct SupportGraph {
 
 impl SupportGraph {
     pub(super) fn new(positions: &[DVec3], surface: &HullSurface) -> Self {
-        let mut degree = vec![0u32; positions.len()];
-        for &v in surface.triangles.iter().flatten() {
-            degree[v as usize] += 1;
-        }
-        let segment = positions.len() == 2;
-        let mut starts = vec![0u32];
-        let mut neighbours = Vec::new();
-        if segment {
-            starts.extend([1, 2]);
-            neighbours.extend([HullVertexId(1), HullVertexId(0)]);
+        let (mut starts, half_edges) = rows(surface.triangles.as_flattened(), positions.len());
+        let mut neighbours: Vec<HullVertexId> =
+            half_edges.into_iter().map(|h| HullVertexId(surface.origin(next(h)))).collect();
+        if positions.len() == 2 {
+            (starts, neighbours) = (vec![0, 1, 2], vec![HullVertexId(1), HullVertexId(0)]);
         } else {
-            for d in degree {
-                starts.push(starts[starts.len() - 1] + d);
-            }
-            neighbours.resize(3 * surface.triangles.len(), HullVertexId(0));
-            let mut fill: Vec<u32> = starts[..positions.len()].to_vec();
-            for &[a, b, c] in &surface.triangles {
-                for (from, to) in [(a, b), (b, c), (c, a)] {
-                    let place = &mut fill[from as usize];
-                    neighbours[*place as usize] = HullVertexId(to);
-                    *place += 1;
-                }
-            }
             sort_rows(&mut starts, &mut neighbours);
         }
         Self::with_seeds(positions, starts, neighbours)

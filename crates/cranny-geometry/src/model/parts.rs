@@ -7,7 +7,7 @@ use crate::ids::FaceId;
 use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::{Patches, StoredPatches};
+use crate::patches::Patches;
 use crate::topology::Topology;
 use crate::tree::{FaceTree, StoredTree};
 
@@ -18,7 +18,7 @@ pub(crate) struct Parts {
     pub(crate) topology: Topology,
     pub(crate) hull: ConvexHull,
     pub(crate) tree: FromStored<StoredTree, FaceTree>,
-    pub(crate) patches: FromStored<StoredPatches, Patches>,
+    pub(crate) patches: Patches,
     /// Follows from mesh, topology and patches.
     pub(crate) clusters: Late<ClusterTree>,
     pub(crate) mass: Option<MassProperties>,
@@ -43,27 +43,19 @@ impl Parts {
         self.tree.get(|stored| stored.rebuild(&self.mesh))
     }
 
-    #[inline]
-    pub(crate) fn patches(&self) -> &Patches {
-        self.patches.get(|stored| stored.rebuild(&self.mesh))
-    }
-
     pub(crate) fn clusters(&self) -> &ClusterTree {
-        self.clusters.get(|| ClusterTree::of(&self.mesh, &self.topology, self.patches()))
+        self.clusters.get(|| ClusterTree::of(&self.mesh, &self.topology, &self.patches))
     }
 
-    /// Takes out what is over the whole surface; to be [put back](Self::put_surface).
-    pub(crate) fn take_surface(&mut self) -> (FaceTree, Patches) {
-        let Self { mesh, tree, patches, .. } = self;
-        (
-            std::mem::take(tree).into_made(|stored| stored.rebuild(mesh)),
-            std::mem::take(patches).into_made(|stored| stored.rebuild(mesh)),
-        )
+    /// Takes the tree out; to be [put back](Self::put_tree).
+    pub(crate) fn take_tree(&mut self) -> FaceTree {
+        let Self { mesh, tree, .. } = self;
+        std::mem::take(tree).into_made(|stored| stored.rebuild(mesh))
     }
 
-    pub(crate) fn put_surface(&mut self, tree: FaceTree, patches: Patches) {
+    /// Puts a tree in. What follows from the surface is made anew, when somebody asks.
+    pub(crate) fn put_tree(&mut self, tree: FaceTree) {
         self.tree = FromStored::made(tree);
-        self.patches = FromStored::made(patches);
         self.clusters = Late::default();
     }
 }

@@ -215,12 +215,6 @@ impl NormalCone {
         if cosine < 0.0 { Self::WHOLE } else { Self { axis, cosine } }
     }
 
-    /// Whether every direction of `other` certainly lies in this cone, given or taken the rounding
-    /// that [`union`](Self::union) leaves room for.
-    pub(super) fn holds(&self, other: &Self) -> bool {
-        self.cosine <= other.least_cosine(self.axis) + ROUNDING
-    }
-
     /// A lower bound of the cosine between a unit vector and any direction of this cone.
     fn least_cosine(&self, unit: DVec3) -> f64 {
         let along = self.axis.dot(unit);

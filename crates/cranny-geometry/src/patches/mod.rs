@@ -1,9 +1,9 @@
 //! The surface divided into patches: connected faces of nearly one normal and bounded size.
 //!
 //! A solver wants few contacts, well chosen, each with the normal of its own point. So the narrow
-//! phase does not enumerate faces that are near each other; it asks for the nearest point for each
-//! pair of patches, by branch and bound: down the tree over patches (boxes and cones of normals),
-//! then down the trees of two patches.
+//! phase does not report all faces that are near each other, but the nearest points for each pair
+//! of patches: its search tree ([`ClusterTree`](crate::ClusterTree)) names the patch of each face,
+//! vertex and edge.
 //!
 //! Every face belongs to one patch. An edge or a vertex belongs to the patch with the lowest number
 //! among those of its faces, so that a contact on a border is found once; nothing of that is kept,
@@ -13,33 +13,26 @@
 //! of their length, have no normal that rounding leaves alone: they go with a neighbour, are
 //! counted in [`Patch::needles`], and the cone does not speak for them.
 //!
-//! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
-//! face, a third of it for the trees.
+//! How faces are chosen stands in `grow`. Cost: near-linear.
 //!
-//! Sources stand with the parts: patches in `grow`, cones in `cone`, the tree over patches in
-//! `top`.
+//! Sources stand with the parts: patches in `grow`, cones in `cone`.
 
 mod codec;
 mod cone;
 mod grow;
-mod slab;
-mod top;
 mod update;
 
 use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
-pub(crate) use self::codec::StoredPatches;
 pub use self::cone::NormalCone;
 use self::cone::{Measured, Normals};
-pub use self::slab::Slab;
-pub use self::top::PatchTree;
 use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, Mates};
+use crate::tree::Mates;
 
 /// What is known of a patch, in the body's frame. [`Patches`] has its faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,13 +56,11 @@ pub struct Patch {
 pub struct Patches {
     patches: Vec<Patch>,
     patch_of_face: Vec<PatchId>,
-    trees: FaceForest,
-    /// One a node of the trees' arena.
-    slabs: Vec<Slab>,
-    top: PatchTree,
+    faces: Lists,
 }
 
 /// Faces of each patch, one patch behind the other, ascending within each.
+#[derive(Clone, Debug, PartialEq)]
 struct Lists {
     starts: Vec<u32>,
     faces: Vec<FaceId>,
@@ -88,10 +79,6 @@ impl Lists {
 }
 
 impl Patches {
-    /// Faces per leaf of a patch's tree. Fewer: more nodes than the few that a search for one
-    /// nearest point opens; more: more triangle pairs in each pair of leaves.
-    pub const LEAF_SIZE: usize = 8;
-
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
@@ -102,35 +89,24 @@ impl Patches {
     pub(crate) fn with_mates(mesh: &Mesh, topology: &Topology, mates: &Mates) -> Self {
         let normals = Normals::of(mesh);
         let partition = grow::partition_by(mesh, topology, &normals, mates);
-        let count = partition.patches.len();
-        let faces = Lists::of(count, &partition.patch_of);
-        let groups = (0..count).map(|p| faces.get(p));
-        let group_of = |face: FaceId| partition.patch_of[face.index()];
-        let trees = FaceForest::over_pairs(mesh, mates, groups, group_of, Self::LEAF_SIZE);
-        let ranges = (0..count).map(|p| trees.node_range(p));
-        let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
         let measure = |faces: &[FaceId], axis: DVec3| normals.measured(mesh, faces, axis);
-        Self::assemble(mesh, partition, trees, slabs, measure)
+        Self::assemble(mesh, partition, measure)
     }
 
-    /// From a partition, trees over its parts, and the slabs of these; `measure` measures faces
-    /// about an axis.
+    /// From a partition; `measure` measures faces about an axis.
     fn assemble(
         mesh: &Mesh,
         partition: grow::Partition,
-        trees: FaceForest,
-        slabs: Vec<Slab>,
         measure: impl Fn(&[FaceId], DVec3) -> Measured,
     ) -> Self {
         let grow::Partition { patch_of, patches: grown } = partition;
-        let patches: Vec<Patch> = grown
-            .iter()
-            .enumerate()
-            .map(|(p, grown)| Patch::by(&measure, mesh, &trees, p, grown.cone))
-            .collect();
+        let faces = Lists::of(grown.len(), &patch_of);
+        let measured = |(p, grown): (usize, &grow::Growing)| {
+            Patch::by(&measure, mesh, faces.get(p), grown.cone)
+        };
+        let patches = grown.iter().enumerate().map(measured).collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
-        let top = PatchTree::over(&patches);
-        Self { patches, patch_of_face, trees, slabs, top }
+        Self { patches, patch_of_face, faces }
     }
 
     /// Number of patches; at least 1.
@@ -181,30 +157,18 @@ impl Patches {
         around.fold(PatchId(u32::MAX), PatchId::min)
     }
 
-    /// The faces of a patch, in the leaf order of its tree.
+    /// The faces of a patch, ascending.
     #[must_use]
     pub fn faces(&self, patch: PatchId) -> &[FaceId] {
-        self.trees.faces(patch.index())
+        self.faces.get(patch.index())
     }
 
-    /// The trees over the faces of each patch: tree `i` is that of patch `i`.
-    #[must_use]
-    #[inline]
-    pub fn trees(&self) -> &FaceForest {
-        &self.trees
-    }
-
-    /// A plane above all faces beneath a node of the arena of [`trees`](Self::trees).
-    #[must_use]
-    #[inline]
-    pub fn slab(&self, node: u32) -> &Slab {
-        &self.slabs[node as usize]
-    }
-
-    /// The tree over the patches.
-    #[must_use]
-    pub fn top(&self) -> &PatchTree {
-        &self.top
+    /// The patch with exactly these faces, if there is one.
+    pub(crate) fn with_faces(&self, faces: &[FaceId]) -> Option<PatchId> {
+        let patch = self.patch_of_face(*faces.first()?);
+        let is_same = self.faces(patch).len() == faces.len()
+            && faces.iter().all(|&f| self.patch_of_face(f) == patch);
+        is_same.then_some(patch)
     }
 
     /// Checks the invariants; for tests and debugging.
@@ -213,17 +177,12 @@ impl Patches {
     ///
     /// The first broken invariant, in words.
     pub fn validate(&self, mesh: &Mesh, topology: &Topology) -> Result<(), String> {
-        let count = self.len();
         let owners: Vec<u32> = self.patch_of_face.iter().map(|p| p.0).collect();
-        if self.patch_of_face.len() != mesh.faces().len() {
+        if owners.len() != mesh.faces().len() {
             return Err("a patch for each face is needed".into());
         }
-        let faces = Lists::of(count, &owners);
-        self.trees.validate(mesh, (0..count).map(|p| faces.get(p)))?;
-        self.top.validate(&self.patches)?;
-        let ranges = (0..count).map(|p| self.trees.node_range(p));
-        if self.slabs != Slab::of_trees(mesh, self.trees.arena(), ranges) {
-            return Err("a slab is not what its faces make".into());
+        if self.faces != Lists::of(self.len(), &owners) {
+            return Err("faces are listed with other patches than theirs".into());
         }
         for (id, patch) in (0..).map(PatchId).zip(&self.patches) {
             self.validate_patch(id, patch, mesh, topology)?;
@@ -239,7 +198,7 @@ impl Patches {
         topology: &Topology,
     ) -> Result<(), String> {
         let faces = self.faces(id);
-        if *patch != Patch::of(mesh, &self.trees, id.index(), Some(patch.cone)) {
+        if *patch != Patch::of(mesh, faces, Some(patch.cone)) {
             return Err(format!("patch {} is not what its faces make", id.0));
         }
         let (limits, mut largest) = (grow::Limits::of(&mesh.bounds()), 0.0f64);
@@ -273,29 +232,27 @@ impl Patches {
 }
 
 impl Patch {
-    /// Of tree `patch`, which is not empty. `axis`: of the cone; `None` where all faces are
-    /// needles.
-    fn of(mesh: &Mesh, trees: &FaceForest, patch: usize, axis: Option<NormalCone>) -> Self {
-        Self::by(|faces, axis| Measured::of(mesh, faces, axis), mesh, trees, patch, axis)
+    /// Of some faces, at least one. `axis`: of the cone; `None` where all faces are needles.
+    fn of(mesh: &Mesh, faces: &[FaceId], axis: Option<NormalCone>) -> Self {
+        Self::by(|faces, axis| Measured::of(mesh, faces, axis), mesh, faces, axis)
     }
 
     /// The same, given how to measure faces about an axis.
     fn by(
         measure: impl Fn(&[FaceId], DVec3) -> Measured,
         mesh: &Mesh,
-        trees: &FaceForest,
-        patch: usize,
+        faces: &[FaceId],
         axis: Option<NormalCone>,
     ) -> Self {
-        let faces = trees.faces(patch);
-        let bounds = trees.nodes(patch)[0].bounds;
+        let corners = || faces.iter().flat_map(|&f| mesh.triangle(f));
+        let bounds = Aabb::of_points(corners());
         let center = bounds.center();
         // Not by `f64::max`, which would look for NaN among them.
         let farther = |most, p: DVec3| {
             let squared = (p - center).length_squared();
             if squared > most { squared } else { most }
         };
-        let farthest = faces.iter().flat_map(|&f| mesh.triangle(f)).fold(0.0, farther);
+        let farthest = corners().fold(0.0, farther);
         let axis = axis.map_or(DVec3::ZERO, |cone| cone.axis);
         let Measured { cone, needles, area } = measure(faces, axis);
         Self {

@@ -15,11 +15,10 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::cone::Measured;
 use super::grow::{Growing, Limits, Partition, divided};
-use super::{Lists, Patch, PatchTree, Patches, Slab};
+use super::{Lists, Patch, Patches};
 use crate::ids::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, GrownAreas, MovedFace, NodeChanges};
 
 /// What has become of patches.
 pub(crate) struct PatchUpdate {
@@ -27,75 +26,45 @@ pub(crate) struct PatchUpdate {
     pub(crate) map: Vec<Option<PatchId>>,
     /// Number of faces of the patches that were measured or divided.
     pub(crate) faces: usize,
-    pub(crate) nodes: NodeChanges,
 }
+
+/// What a patch is divided into: one part, where it stays whole.
+type Division = Vec<(Growing, Vec<FaceId>)>;
 
 impl Patches {
     /// Follows moved faces.
     ///
-    /// Cost: the patches with a moved face, the nodes above them, and a glance at each patch; where
-    /// one is divided, a pass over all faces as well. `body` is the box of all faces.
+    /// Cost: the patches with a moved face, and a glance at each patch; where one is divided, a
+    /// pass over all faces as well. `body` is the box of all faces.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         body: &Aabb,
-        moved: &[MovedFace],
-        grown: &mut GrownAreas,
-        grown_top: &mut GrownAreas,
+        moved: &[FaceId],
     ) -> PatchUpdate {
         let limits = Limits::of(body);
-        let mut by_patch: BTreeMap<u32, Vec<MovedFace>> = BTreeMap::new();
-        for m in moved {
-            by_patch.entry(self.patch_of_face(m.face).0).or_default().push(*m);
-        }
+        let mut touched: BTreeSet<PatchId> =
+            moved.iter().map(|&face| self.patch_of_face(face)).collect();
         // A body that has shrunk has smaller patches.
-        for p in 0..self.len() as u32 {
-            let faces = self.faces(PatchId(p));
-            let is_small = limits.allow(&self.patches[p as usize].bounds);
-            let fits = || Growing::finished(mesh, &self.patches[p as usize], faces).fits(&limits);
-            if !is_small && !fits() {
-                by_patch.entry(p).or_default();
+        for (id, patch) in (0..).map(PatchId).zip(&self.patches) {
+            let fits = || Growing::finished(mesh, patch, self.faces(id)).fits(&limits);
+            if !limits.allow(&patch.bounds) && !fits() {
+                touched.insert(id);
             }
         }
-        let mut parts: BTreeMap<u32, Vec<(Growing, Vec<FaceId>)>> = BTreeMap::new();
-        for &p in by_patch.keys() {
-            parts.insert(p, divided(mesh, topology, &limits, self.faces(PatchId(p))));
+        let divided = |id: PatchId| divided(mesh, topology, &limits, self.faces(id));
+        let parts: BTreeMap<PatchId, Division> =
+            touched.into_iter().map(|id| (id, divided(id))).collect();
+        let faces = parts.keys().map(|&id| self.faces(id).len()).sum();
+        if parts.values().any(|parts| parts.len() > 1) {
+            return PatchUpdate { map: self.divide(mesh, topology, &limits, &parts), faces };
         }
-        let mut nodes = NodeChanges::default();
-        let mut is_well = true;
-        for (&p, moved) in &by_patch {
-            is_well &=
-                self.trees.refit(p as usize, mesh, moved, Self::LEAF_SIZE, grown, &mut nodes);
+        for (&id, parts) in &parts {
+            self.patches[id.index()] = Patch::of(mesh, self.faces(id), parts[0].0.cone);
         }
-        let touched: BTreeSet<u32> = by_patch.into_keys().collect();
-        let faces = touched.iter().map(|&p| self.faces(PatchId(p)).len()).sum();
-        if is_well && parts.values().all(|parts| parts.len() == 1) {
-            let mut old = Vec::with_capacity(parts.len());
-            for (&p, parts) in &parts {
-                old.push((PatchId(p), self.patches[p as usize].bounds));
-                self.measure(mesh, p as usize, &parts[0].0);
-            }
-            if !self.top.refit(&self.patches, &old, grown_top) {
-                self.top = PatchTree::over(&self.patches);
-                *grown_top = self.top.grown_areas();
-            }
-            nodes.settle();
-            let map = (0..self.len() as u32).map(|p| Some(PatchId(p))).collect();
-            return PatchUpdate { map, faces, nodes };
-        }
-        let map = self.divide(mesh, topology, &limits, &parts);
-        *grown = GrownAreas::of(self.trees.arena().nodes());
-        *grown_top = self.top.grown_areas();
-        let nodes = NodeChanges { renumbered: true, ..NodeChanges::default() };
-        PatchUpdate { map, faces, nodes }
-    }
-
-    fn measure(&mut self, mesh: &Mesh, p: usize, grown: &Growing) {
-        self.patches[p] = Patch::of(mesh, &self.trees, p, grown.cone);
-        let range = self.trees.node_range(p);
-        let slabs = Slab::of_tree(mesh, self.trees.arena(), range.clone());
-        self.slabs[range].copy_from_slice(&slabs);
+        let map = (0..self.len() as u32).map(|p| Some(PatchId(p))).collect();
+        PatchUpdate { map, faces }
     }
 
     /// Replaces patches by parts of them, and joins what fits together.
@@ -104,13 +73,14 @@ impl Patches {
         mesh: &Mesh,
         topology: &Topology,
         limits: &Limits,
-        parts: &BTreeMap<u32, Vec<(Growing, Vec<FaceId>)>>,
+        parts: &BTreeMap<PatchId, Division>,
     ) -> Vec<Option<PatchId>> {
         let mut patch_of: Vec<u32> = self.patch_of_face.iter().map(|p| p.0).collect();
-        let finished = |p: usize| Growing::finished(mesh, &self.patches[p], self.trees.faces(p));
-        let mut patches: Vec<Growing> = (0..self.len()).map(finished).collect();
-        for (&p, parts) in parts {
-            patches[p as usize] = parts[0].0;
+        let finished =
+            |id: PatchId| Growing::finished(mesh, &self.patches[id.index()], self.faces(id));
+        let mut patches: Vec<Growing> = (0..self.len() as u32).map(PatchId).map(finished).collect();
+        for (id, parts) in parts {
+            patches[id.index()] = parts[0].0;
             for (part, faces) in &parts[1..] {
                 for face in faces {
                     patch_of[face.index()] = patches.len() as u32;
@@ -118,39 +88,19 @@ impl Patches {
                 patches.push(*part);
             }
         }
-        let partition = Partition { patch_of, patches }.merged(mesh, topology, limits);
-        let count = partition.patches.len();
-        let faces = Lists::of(count, &partition.patch_of);
-        let same = |new: usize| {
-            let old = self.patch_of_face(faces.get(new)[0]);
-            let same = faces.get(new).len() == self.faces(old).len()
-                && faces.get(new).iter().all(|&f| self.patch_of_face(f) == old);
-            same.then_some(old.index())
-        };
-        let kept = |new: usize| same(new).filter(|&old| !parts.contains_key(&(old as u32)));
-        let groups = (0..count).map(|p| faces.get(p));
-        let trees: FaceForest = self.trees.updated(mesh, groups, Self::LEAF_SIZE, kept);
-        let mut slabs = Vec::with_capacity(trees.arena().nodes().len());
+        let mut partition = Partition { patch_of, patches }.merged(mesh, topology, limits);
+        let faces = Lists::of(partition.patches.len(), &partition.patch_of);
         let mut map = vec![None; self.len()];
-        let mut partition = partition;
-        for new in 0..count {
-            if let Some(old) = same(new) {
-                map[old] = Some(PatchId(new as u32));
-            }
-            match kept(new) {
-                Some(old) => {
-                    slabs.extend_from_slice(&self.slabs[self.trees.node_range(old)]);
-                    // The axis of the cone that was measured.
-                    partition.patches[new] = finished(old);
-                }
-                None => {
-                    let range = trees.node_range(new);
-                    slabs.extend(Slab::of_tree(mesh, trees.arena(), range));
-                }
+        for (new, grown) in partition.patches.iter_mut().enumerate() {
+            let Some(old) = self.with_faces(faces.get(new)) else { continue };
+            map[old.index()] = Some(PatchId(new as u32));
+            if !parts.contains_key(&old) {
+                // The axis of the cone that was measured.
+                *grown = finished(old);
             }
         }
         let measure = |faces: &[FaceId], axis: DVec3| Measured::of(mesh, faces, axis);
-        *self = Self::assemble(mesh, partition, trees, slabs, measure);
+        *self = Self::assemble(mesh, partition, measure);
         map
     }
 }

@@ -11,7 +11,7 @@ use super::turns::Turn;
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
-use crate::topology::{EdgeKind, Topology};
+use crate::topology::{DisjointSets, EdgeKind, Topology};
 
 /// Open, contradictory and non-manifold edges.
 pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
@@ -43,7 +43,6 @@ pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
 pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut spokes: Vec<(VertexId, usize)> = Vec::new();
-    let mut fan_of: Vec<usize> = Vec::new();
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
         if !stars.is_torn(vertex) {
             continue; // one ring is one fan
@@ -55,18 +54,11 @@ pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Fi
             spokes.extend(others.map(|v| (v, i)));
         }
         spokes.sort_unstable();
-        fan_of.clear();
-        fan_of.extend(0..faces.len());
-        let mut fans = faces.len();
+        let mut fans = DisjointSets::new(faces.len());
         for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let [i, j] = [pair[0].1, pair[1].1].map(|i| root(&fan_of, i));
-            if i != j {
-                fan_of[i.max(j)] = i.min(j);
-                fans -= 1;
-            }
+            fans.union(pair[0].1, pair[1].1);
         }
-        // A face with two corners here has one or no spoke and may be filed twice: no fan of its
-        // own.
+        let fans = (0..faces.len()).filter(|&i| fans.find(i) == i).count();
         let collapsed = faces.iter().any(|&f| {
             let [a, b, c] = mesh.corners(f);
             a == b || b == c || c == a
@@ -82,13 +74,6 @@ pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Fi
         }
     }
     findings
-}
-
-fn root(parent: &[usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        i = parent[i];
-    }
-    i
 }
 
 /// The manifold edges whose faces lie side by side in one plane, exactly: one finding for all.

@@ -33,7 +33,9 @@ impl Row {
     /// The row in which what lies within a distance is looked for.
     pub(super) fn of(mesh: &Mesh, distance: f64, among: impl Fn(VertexId) -> bool) -> Self {
         let vertices = (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| among(v));
-        let order = sorted(vertices.map(|v| (ALONG.dot(mesh.position(v)), v)).collect());
+        let mut order: Vec<(f64, VertexId)> =
+            vertices.map(|v| (ALONG.dot(mesh.position(v)), v)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut rank = vec![usize::MAX; mesh.vertices().len()];
         for (i, &(_, v)) in order.iter().enumerate() {
             rank[v.index()] = i;
@@ -78,38 +80,6 @@ impl Row {
             *found = corners_near(mesh, tree, &Aabb { min: p, max: p }.grown(distance));
         }
     }
-}
-
-/// Ascending by place, then by vertex: dealt out to as many stretches of the row as there are
-/// vertices, and sorted there. O(n) where they are spread, O(n log n) in any case.
-fn sorted(places: Vec<(f64, VertexId)>) -> Vec<(f64, VertexId)> {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for &(place, _) in &places {
-        (low, high) = (low.min(place), high.max(place));
-    }
-    let last = places.len().saturating_sub(1);
-    let scale = last as f64 / (high - low);
-    // Ascends with the place, rounding or not; all in one place makes NaN, which counts as 0.
-    let stretch = |place: f64| ((scale * (place - low)) as usize).min(last);
-    let mut starts = vec![0u32; places.len() + 1];
-    for &(place, _) in &places {
-        starts[stretch(place) + 1] += 1;
-    }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut order = places.clone();
-    let mut fill = starts.clone();
-    for entry in places {
-        let at = &mut fill[stretch(entry.0)];
-        order[*at as usize] = entry;
-        *at += 1;
-    }
-    for pair in starts.windows(2).filter(|pair| pair[1] - pair[0] > 1) {
-        let within = &mut order[pair[0] as usize..pair[1] as usize];
-        within.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    }
-    order
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::Topology;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
+use crate::rows::rows;
 
 /// The faces of each vertex in its row.
 #[derive(Clone, Debug)]
@@ -14,35 +15,20 @@ pub(super) struct VertexFaces {
 
 impl VertexFaces {
     pub(super) fn of(mesh: &Mesh) -> Self {
-        Self::of_corners(mesh.vertices().len(), mesh.faces().iter().copied())
+        Self::of_corners(mesh.vertices().len(), mesh.faces().as_flattened())
     }
 
     /// The same without the mesh, from edges.
     pub(super) fn of_edges(topology: &Topology) -> Self {
         let faces = 0..topology.edge_of.len() as u32 / 3;
-        Self::of_corners(topology.vertices, faces.map(|f| corners(topology, FaceId(f))))
+        let corners: Vec<u32> = faces.flat_map(|f| corners(topology, FaceId(f))).collect();
+        Self::of_corners(topology.vertices, &corners)
     }
 
-    /// Given the corners of each face, in any order. O(n).
-    fn of_corners(vertices: usize, corners: impl Iterator<Item = [u32; 3]> + Clone) -> Self {
-        let mut starts = vec![0u32; vertices + 1];
-        for corners in corners.clone() {
-            for i in corners {
-                starts[i as usize + 1] += 1;
-            }
-        }
-        for v in 1..starts.len() {
-            starts[v] += starts[v - 1];
-        }
-        let mut places = starts.clone();
-        let mut faces = vec![FaceId(0); starts[vertices] as usize];
-        for (f, corners) in (0..).zip(corners) {
-            for i in corners {
-                let place = &mut places[i as usize];
-                faces[*place as usize] = FaceId(f);
-                *place += 1;
-            }
-        }
+    /// Given three corners of each face, in any order. O(n).
+    fn of_corners(vertices: usize, corners: &[u32]) -> Self {
+        let (starts, half_edges) = rows(corners, vertices);
+        let faces = half_edges.into_iter().map(|h| HalfEdgeId(h).face()).collect();
         Self { starts, faces }
     }
 

@@ -16,6 +16,7 @@ use cranny_exact::Aabb;
 
 use super::lattice::{Extent, LatticeBox, LatticeFrame, LatticeItem};
 use super::{Content, Node};
+use crate::ids::FaceId;
 
 /// Bins per split at most. Fewer: worse trees; more: slower building for less than 1 % fewer tests.
 const BINS: usize = 16;
@@ -49,10 +50,10 @@ struct Task {
 const PAIR: u32 = 1 << 31;
 
 /// Appends trees to an arena, and keeps its scratch memory between them.
-pub(crate) struct Grower<I> {
+pub(crate) struct Grower {
     leaf_size: usize,
-    /// Of things, by number.
-    ids: Vec<I>,
+    /// By number.
+    faces: Vec<FaceId>,
     boxes: Vec<Aabb>,
     /// Numbers of things alone and of the first of each pair.
     names: Vec<u32>,
@@ -63,30 +64,30 @@ pub(crate) struct Grower<I> {
     stem: Vec<usize>,
 }
 
-impl<I: Copy> Grower<I> {
+impl Grower {
     pub(crate) fn new(leaf_size: usize) -> Self {
-        let (ids, boxes, names, tasks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (faces, boxes, names, tasks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (items, aside, stem) = (Vec::new(), Vec::new(), Vec::new());
-        Self { leaf_size: leaf_size.max(1), ids, boxes, names, items, aside, tasks, stem }
+        Self { leaf_size: leaf_size.max(1), faces, boxes, names, items, aside, tasks, stem }
     }
 
     /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.
     pub(crate) fn grow(
         &mut self,
-        boxes: impl Iterator<Item = (I, Aabb)>,
+        boxes: impl Iterator<Item = (FaceId, Aabb)>,
         nodes: &mut Vec<Node>,
-        leaves: &mut Vec<I>,
+        leaves: &mut Vec<FaceId>,
     ) {
         self.grow_pairs(boxes.map(|own| (own, None)), nodes, leaves);
     }
 
     /// The same over things alone and in pairs, which are parted last, where leaves are smaller
     /// than pairs.
-    pub(crate) fn grow_pairs(
+    pub(super) fn grow_pairs(
         &mut self,
-        things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>,
+        things: impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)>,
         nodes: &mut Vec<Node>,
-        leaves: &mut Vec<I>,
+        leaves: &mut Vec<FaceId>,
     ) {
         let frame = LatticeFrame::of(&self.list(things));
         if self.names.is_empty() {
@@ -117,8 +118,8 @@ impl<I: Copy> Grower<I> {
                 extent = left;
             }
             let items = &mut self.items[start..start + extent.count as usize];
-            let (ids, boxes) = (&self.ids, &self.boxes);
-            let mut twigs = Twigs { leaf_size: self.leaf_size, ids, boxes, nodes, leaves };
+            let (faces, boxes) = (&self.faces, &self.boxes);
+            let mut twigs = Twigs { leaf_size: self.leaf_size, faces, boxes, nodes, leaves };
             twigs.grow(items, extent.things as usize, scale);
         }
         for &index in self.stem.iter().rev() {
@@ -130,18 +131,21 @@ impl<I: Copy> Grower<I> {
     }
 
     /// Takes down things and pairs; the box of all.
-    fn list(&mut self, things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>) -> Aabb {
-        self.ids.clear();
+    fn list(
+        &mut self,
+        things: impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)>,
+    ) -> Aabb {
+        self.faces.clear();
         self.boxes.clear();
         self.names.clear();
         let most = things.size_hint().1.unwrap_or(0);
-        self.ids.reserve(most);
+        self.faces.reserve(most);
         self.boxes.reserve(most);
         self.names.reserve(most);
         let mut whole = Aabb::EMPTY;
-        let mut add = |(id, bounds): (I, Aabb)| {
+        let mut add = |(face, bounds): (FaceId, Aabb)| {
             whole = whole.union(&bounds);
-            self.ids.push(id);
+            self.faces.push(face);
             self.boxes.push(bounds);
         };
         let mut count = 0;
@@ -169,15 +173,15 @@ fn exact_box(boxes: &[Aabb], name: u32) -> Aabb {
 }
 
 /// The lowest parts of a tree in the making.
-struct Twigs<'a, I> {
+struct Twigs<'a> {
     leaf_size: usize,
-    ids: &'a [I],
+    faces: &'a [FaceId],
     boxes: &'a [Aabb],
     nodes: &'a mut Vec<Node>,
-    leaves: &'a mut Vec<I>,
+    leaves: &'a mut Vec<FaceId>,
 }
 
-impl<I: Copy> Twigs<'_, I> {
+impl Twigs<'_> {
     /// Appends the tree over at most [`FEW`] items, or a leaf; the box of all.
     fn grow(&mut self, items: &mut [LatticeItem], things: usize, mut scale: f64) -> Aabb {
         if things <= self.leaf_size {
@@ -198,7 +202,8 @@ impl<I: Copy> Twigs<'_, I> {
             if lay_anew(items, self.boxes, &centers, &mut scale) {
                 centers = LatticeBox::of_centers(items);
             }
-            sort(items, centers.longest());
+            let axis = centers.longest();
+            items.sort_by_key(|item| item.center(axis));
             cut = cheapest_cut(items.len(), |k| (items[k].bounds(), items[k].things()));
         }
         let (left, right) = items.split_at_mut(cut);
@@ -225,7 +230,7 @@ impl<I: Copy> Twigs<'_, I> {
         let mut bounds = Aabb::EMPTY;
         for number in items.iter().flat_map(|item| numbers(item.name() as u32)) {
             bounds = bounds.union(&self.boxes[number]);
-            self.leaves.push(self.ids[number]);
+            self.leaves.push(self.faces[number]);
         }
         let count = (self.leaves.len() - first) as u32;
         self.nodes.push(Node { bounds, content: first as u32, count });
@@ -235,7 +240,7 @@ impl<I: Copy> Twigs<'_, I> {
     /// A leaf of one thing.
     fn single(&mut self, number: usize) -> Aabb {
         let (bounds, content) = (self.boxes[number], self.leaves.len() as u32);
-        self.leaves.push(self.ids[number]);
+        self.leaves.push(self.faces[number]);
         self.nodes.push(Node { bounds, content, count: 1 });
         bounds
     }
@@ -294,20 +299,6 @@ fn split(items: &mut [LatticeItem], extent: &Extent, aside: &mut Vec<LatticeItem
     [Extent::of_all(&bins[..cut]), Extent::of_all(&bins[cut..])]
 }
 
-/// By the middles along an axis, in place: there are few.
-fn sort(items: &mut [LatticeItem], axis: usize) {
-    for end in 1..items.len() {
-        let item = items[end];
-        let key = item.center(axis);
-        let mut at = end;
-        while at > 0 && items[at - 1].center(axis) > key {
-            items[at] = items[at - 1];
-            at -= 1;
-        }
-        items[at] = item;
-    }
-}
-
 /// The part before which to cut so that the sum of area times count is least, of at most [`BINS`]
 /// parts with their boxes and counts; the first and the last hold something.
 fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a LatticeBox, u32)) -> usize {
@@ -363,13 +354,16 @@ mod tests {
     use super::*;
     use cranny_exact::DVec3;
 
+    fn numbered(bounds: impl Iterator<Item = Aabb>) -> impl Iterator<Item = (FaceId, Aabb)> {
+        (0..).map(FaceId).zip(bounds)
+    }
+
     fn leaves(places: impl Iterator<Item = f64>) -> Vec<u32> {
         let cube = |x: f64| Aabb { min: DVec3::X * x, max: DVec3::X * x + 1e-4 };
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        let boxes = (0..).zip(places).map(|(i, x)| (i, cube(x)));
-        Grower::new(1).grow(boxes, &mut nodes, &mut leaves);
+        Grower::new(1).grow(numbered(places.map(cube)), &mut nodes, &mut leaves);
         assert_eq!(nodes.len() + 1, 2 * leaves.len());
-        leaves
+        leaves.into_iter().map(|face: FaceId| face.0).collect()
     }
 
     #[test]
@@ -393,9 +387,9 @@ mod tests {
             Aabb { min: DVec3::X * -reach, max: DVec3::X * (reach + off) }
         };
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        Grower::new(1).grow((0..40).map(|i| (i, long(i))), &mut nodes, &mut leaves);
+        Grower::new(1).grow(numbered((0..40).map(long)), &mut nodes, &mut leaves);
         leaves.sort_unstable();
-        assert_eq!((leaves, nodes.len()), ((0..40).collect(), 79));
+        assert_eq!((leaves, nodes.len()), ((0..40).map(FaceId).collect(), 79));
     }
 
     #[test]
@@ -404,7 +398,7 @@ mod tests {
         let at = |i: u32| f64::from(i) + if i < 30 { 0.0 } else { 100.0 };
         let cube = |i: u32| Aabb { min: DVec3::X * at(i), max: DVec3::X * at(i) + 1.0 };
         let (mut nodes, mut order) = (Vec::new(), Vec::new());
-        Grower::new(4).grow((0..40).map(|i| (i, cube(i))), &mut nodes, &mut order);
+        Grower::new(4).grow(numbered((0..40).map(cube)), &mut nodes, &mut order);
         let Content::Inner { left, right } = nodes[0].content_at(0) else { panic!("one leaf") };
         let ends = [left, right].map(|n| nodes[n as usize].bounds);
         assert_eq!(ends.map(|b| (b.min.x, b.max.x)), [(0.0, 30.0), (130.0, 140.0)]);

@@ -9,42 +9,18 @@
 //! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and
 //! faces.
 
-use std::ops::Range;
-
 use cranny_exact::{Aabb, DVec3};
 
-use super::{FaceForest, FaceTree, Node};
-use crate::codec::{Flaw, Reader, Writer, check, check_each_once, owners};
+use super::{FaceTree, Node};
+use crate::codec::{Flaw, Reader, Writer, check, check_each_once};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
-/// The box of a face.
+/// The box of a face, in straight code.
 #[inline(always)]
 fn box_of(mesh: &Mesh, face: FaceId) -> Aabb {
     let [a, b, c] = mesh.triangle(face);
     Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
-}
-
-/// The box around boxes; the empty one around none.
-#[inline]
-fn around(boxes: &[Aabb]) -> Aabb {
-    match boxes {
-        [] => Aabb::EMPTY,
-        [own] => *own,
-        [first, others @ ..] => others.iter().fold(*first, |all, own| all.union(own)),
-    }
-}
-
-/// The box around some faces; the empty one around none.
-#[inline]
-pub(crate) fn box_around(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
-    match faces {
-        [] => Aabb::EMPTY,
-        [first, others @ ..] => {
-            let others = others.iter().map(|&face| box_of(mesh, face));
-            others.fold(box_of(mesh, *first), |all, own| all.union(&own))
-        }
-    }
 }
 
 impl FaceTree {
@@ -74,90 +50,31 @@ impl StoredTree {
     }
 
     /// The tree. What it keeps is taken out.
+    ///
+    /// From the last node to the first: the tree finished last begins right behind an inner node,
+    /// which makes it the left child, and the one that has waited least is the right one.
     pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceTree {
-        let Self { faces, counts } = self;
+        let Self { faces, counts } = std::mem::take(self);
         // In the order of leaves, in a loop without branches: what it fetches from here and there
         // overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
-        let mut nodes = NodesFromCounts::of(counts);
-        nodes.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]));
-        let nodes = nodes.into_nodes();
-        counts.clear();
-        FaceTree { nodes, faces: std::mem::take(faces) }
-    }
-}
-
-impl FaceForest {
-    pub(crate) fn encode(&self, out: &mut Writer) {
-        let Self { arena, starts } = self;
-        arena.encode(out);
-        out.list(starts);
-    }
-}
-
-/// Trees over faces of a mesh without their boxes, whose shape was checked.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct StoredForest {
-    faces: Vec<FaceId>,
-    counts: Vec<u32>,
-    /// As in [`FaceForest`].
-    starts: Vec<[u32; 2]>,
-}
-
-impl StoredForest {
-    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that
-    /// holds it, or [`NOBODY`](crate::rows::NOBODY).
-    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
-        let faces: Vec<u32> = input.list()?;
-        let counts: Vec<u32> = input.list()?;
-        let starts: Vec<[u32; 2]> = input.list()?;
-        let ends = (starts.first(), starts.last());
-        let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
-        let is_behind = |a: &[u32; 2], b: &[u32; 2]| a[0] <= b[0] && a[1] <= b[1];
-        check(covers_all && starts.is_sorted_by(is_behind), "trees are not in order")?;
-        let held = starts.windows(2).map(|pair| &faces[pair[0][1] as usize..pair[1][1] as usize]);
-        let owners = owners(mesh.faces().len(), held)?;
-        let faces = faces.into_iter().map(FaceId).collect();
-        let stored = Self { faces, counts, starts };
-        stored
-            .trees()
-            .try_for_each(|[nodes, held]| check_shape(&stored.counts[nodes], held.len()))?;
-        Ok((stored, owners))
-    }
-
-    /// The nodes and the faces of each tree.
-    fn trees(&self) -> impl Iterator<Item = [Range<usize>; 2]> {
-        let ends =
-            |pair: &[[u32; 2]]| [0, 1].map(|i: usize| pair[0][i] as usize..pair[1][i] as usize);
-        self.starts.windows(2).map(ends)
-    }
-
-    /// Number of trees.
-    pub(crate) fn len(&self) -> usize {
-        self.starts.len().saturating_sub(1)
-    }
-
-    /// Number of nodes of all trees.
-    pub(crate) fn node_count(&self) -> usize {
-        self.counts.len()
-    }
-
-    /// Number of faces of a tree.
-    pub(crate) fn face_count(&self, tree: usize) -> usize {
-        (self.starts[tree + 1][1] - self.starts[tree][1]) as usize
-    }
-
-    /// The trees. What they keep is taken out.
-    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceForest {
-        let mut nodes = NodesFromCounts::of(&self.counts);
-        for [range, held] in self.trees() {
-            nodes.tree(range, held, |leaf| box_around(mesh, &self.faces[leaf]));
+        // All zero: memory is filled at once.
+        let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
+        let mut nodes = vec![Node { bounds: blank, content: 0, count: 0 }; counts.len()];
+        let (mut waiting, mut first): (Vec<u32>, usize) = (Vec::new(), faces.len());
+        for (index, &count) in counts.iter().enumerate().rev() {
+            if count > 0 {
+                let held = first - count as usize..first;
+                first = held.start;
+                let bounds = boxes[held].iter().fold(Aabb::EMPTY, |all, own| all.union(own));
+                nodes[index] = Node { bounds, content: first as u32, count };
+            } else if let (Some(left), Some(right)) = (waiting.pop(), waiting.pop()) {
+                let [left, beside] = [left, right].map(|node| nodes[node as usize].bounds);
+                nodes[index] = Node { bounds: left.union(&beside), content: right, count };
+            }
+            waiting.push(index as u32);
         }
-        let nodes = nodes.into_nodes();
-        self.counts.clear();
-        let (faces, starts) = (&mut self.faces, &mut self.starts);
-        let arena = FaceTree { nodes, faces: std::mem::take(faces) };
-        FaceForest { arena, starts: std::mem::take(starts) }
+        FaceTree { nodes, faces }
     }
 }
 
@@ -166,7 +83,7 @@ impl StoredForest {
 ///
 /// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that
 /// were finished last, and all are one in the end.
-pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
+fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
     let (mut finished, mut in_leaves, mut lacks) = (0_i64, 0_u64, false);
     // No way out of the loop, so that it stays short.
     for &count in counts.iter().rev() {
@@ -178,62 +95,6 @@ pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
     check(!lacks, "a tree lacks nodes")?;
     check(in_leaves == held as u64, "leaves of a tree hold more or less than it does")?;
     check(finished == i64::from(!counts.is_empty()), "nodes belong to no tree")
-}
-
-/// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The shape was
-/// [checked](check_shape).
-pub(crate) struct NodesFromCounts<'a> {
-    counts: &'a [u32],
-    nodes: Vec<Node>,
-    /// The roots of finished trees that wait for a parent, but for the one that was finished last.
-    waiting: Vec<u32>,
-}
-
-impl<'a> NodesFromCounts<'a> {
-    pub(crate) fn of(counts: &'a [u32]) -> Self {
-        // All zero: memory is filled at once.
-        let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
-        let blank = Node { bounds: blank, content: 0, count: 0 };
-        Self { counts, nodes: vec![blank; counts.len()], waiting: Vec::new() }
-    }
-
-    pub(crate) fn into_nodes(self) -> Vec<Node> {
-        self.nodes
-    }
-
-    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none.
-    /// `box_of` is called for those of each leaf.
-    ///
-    /// From the last node to the first: the tree finished last begins right behind an inner node,
-    /// which makes it the left child, and the one that has waited least is the right one.
-    #[inline]
-    pub(crate) fn tree(
-        &mut self,
-        range: Range<usize>,
-        held: Range<usize>,
-        box_of: impl Fn(Range<usize>) -> Aabb,
-    ) {
-        let Some(first) = range.end.checked_sub(1).filter(|_| !range.is_empty()) else { return };
-        let mut first_held = held.end;
-        // The root of the tree finished last, and what is around it; none at first, which nobody
-        // takes up again.
-        let (mut finished, mut bounds) = (first as u32, Aabb::EMPTY);
-        self.waiting.clear();
-        for index in range.rev() {
-            let count = self.counts[index];
-            if count > 0 {
-                self.waiting.push(finished);
-                let end = first_held;
-                first_held -= count as usize;
-                bounds = box_of(first_held..end);
-                self.nodes[index] = Node { bounds, content: first_held as u32, count };
-            } else if let Some(right) = self.waiting.pop() {
-                bounds = bounds.union(&self.nodes[right as usize].bounds);
-                self.nodes[index] = Node { bounds, content: right, count };
-            }
-            finished = index as u32;
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,10 @@
-//! Many trees in one array: one a concavity, or one a patch.
+//! Many trees in one array: one a concavity.
 //!
 //! Source and cost of growing a tree stand in `build`, of pruning one in `prune`; a forest costs
 //! what its trees cost.
 
 use super::build::Grower;
-use super::{
-    Content, FaceTree, GrownAreas, Mates, MovedFace, Node, NodeChanges, face_boxes, paired_boxes,
-};
+use super::{Content, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, face_boxes};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -16,9 +14,9 @@ use crate::mesh::Mesh;
 /// as one would a [`FaceTree`], beginning at a [`root`](Self::root).
 #[derive(Clone, Debug)]
 pub struct FaceForest {
-    pub(super) arena: FaceTree,
+    arena: FaceTree,
     /// First node and first face of each tree, and the ends.
-    pub(super) starts: Vec<[u32; 2]>,
+    starts: Vec<[u32; 2]>,
 }
 
 impl FaceForest {
@@ -37,32 +35,8 @@ impl FaceForest {
         leaf_size: usize,
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
-        Self::made(groups, |group, arena| {
+        Self::made(groups, |_, group, arena| {
             grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
-        })
-    }
-
-    /// The same, pairs of faces being parted last. `group_of` names the group of a face.
-    ///
-    /// Cost: half as much.
-    pub(crate) fn over_pairs<'g>(
-        mesh: &Mesh,
-        mates: &Mates,
-        groups: impl IntoIterator<Item = &'g [FaceId]>,
-        group_of: impl Fn(FaceId) -> u32,
-        leaf_size: usize,
-    ) -> Self {
-        let mut grower = Grower::new(leaf_size);
-        let mut count = mesh.faces().len();
-        Self::made(groups, |group, arena| {
-            // Most are in some group, and leaves a little more than half full.
-            arena.faces.reserve(count);
-            arena.nodes.reserve(3 * count / leaf_size.max(1));
-            count = 0;
-            let Some(own) = group.first().map(|&face| group_of(face)) else { return };
-            let among = |face| group_of(face) == own;
-            let pairs = paired_boxes(mates, group.iter().copied(), among);
-            grower.grow_pairs(pairs, &mut arena.nodes, &mut arena.faces);
         })
     }
 
@@ -75,7 +49,7 @@ impl FaceForest {
         leaf_size: usize,
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
-        Self::made(groups, |group, arena| {
+        Self::made(groups, |_, group, arena| {
             if !group.is_empty() && tree.is_worth_pruning(group.len()) {
                 tree.prune(mesh, group, leaf_size, arena);
             } else {
@@ -84,15 +58,16 @@ impl FaceForest {
         })
     }
 
-    /// Trees that are appended to the arena by `make`, one behind the other.
+    /// Trees that are appended to the arena by `make`, one behind the other; it is given the number
+    /// of each group, too.
     fn made<'g>(
         groups: impl IntoIterator<Item = &'g [FaceId]>,
-        mut make: impl FnMut(&[FaceId], &mut FaceTree),
+        mut make: impl FnMut(usize, &[FaceId], &mut FaceTree),
     ) -> Self {
         let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
         let mut starts = vec![[0, 0]];
-        for group in groups {
-            make(group, &mut arena);
+        for (number, group) in groups.into_iter().enumerate() {
+            make(number, group, &mut arena);
             starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
         }
         Self { arena, starts }
@@ -110,25 +85,20 @@ impl FaceForest {
         kept: impl Fn(usize) -> Option<usize>,
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
-        let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
-        let mut starts = vec![[0, 0]];
-        for (group, faces) in groups.into_iter().enumerate() {
-            match kept(group) {
-                Some(tree) => {
-                    let [from_node, from_face] = self.starts[tree];
-                    let (nodes, held) = (arena.nodes.len() as u32, arena.faces.len() as u32);
-                    arena.nodes.extend(self.nodes(tree).iter().map(|&node| {
-                        let inner = node.count == 0;
-                        let (from, to) = if inner { (from_node, nodes) } else { (from_face, held) };
-                        Node { content: node.content - from + to, ..node }
-                    }));
-                    arena.faces.extend_from_slice(self.faces(tree));
-                }
-                None => grower.grow(face_boxes(mesh, faces), &mut arena.nodes, &mut arena.faces),
-            }
-            starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
-        }
-        Self { arena, starts }
+        Self::made(groups, |group, faces, arena| {
+            let Some(tree) = kept(group) else {
+                grower.grow(face_boxes(mesh, faces), &mut arena.nodes, &mut arena.faces);
+                return;
+            };
+            let [from_node, from_face] = self.starts[tree];
+            let (nodes, held) = (arena.nodes.len() as u32, arena.faces.len() as u32);
+            arena.nodes.extend(self.nodes(tree).iter().map(|&node| {
+                let inner = node.count == 0;
+                let (from, to) = if inner { (from_node, nodes) } else { (from_face, held) };
+                Node { content: node.content - from + to, ..node }
+            }));
+            arena.faces.extend_from_slice(self.faces(tree));
+        })
     }
 
     /// Fits the boxes of one tree after some of its faces have moved, and grows parts of it again;

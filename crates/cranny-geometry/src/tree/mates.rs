@@ -7,6 +7,7 @@
 
 use cranny_exact::{Aabb, DVec3};
 
+use super::refit::half_area;
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -75,9 +76,5 @@ fn longest_side(&[a, b, c]: &[DVec3; 3]) -> usize {
 
 /// Whether the box of both faces is hardly larger than that of either.
 fn fit_in_one_box(a: &Aabb, b: &Aabb) -> bool {
-    let half_area = |b: &Aabb| {
-        let size = b.max - b.min;
-        size.x * size.y + size.y * size.z + size.z * size.x
-    };
     2.0 * half_area(&a.union(b)) <= SNUG * (half_area(a) + half_area(b))
 }

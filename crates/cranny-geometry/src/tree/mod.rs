@@ -2,7 +2,7 @@
 //!
 //! Boxes hold their faces exactly: the ends are vertex coordinates, no arithmetic is done on them,
 //! and no face is ever cut. Nodes lie in depth-first order, the left child right behind its parent.
-//! [`FaceTree`] is one tree, [`FaceForest`] many in one array (one a concavity, one a patch).
+//! [`FaceTree`] is one tree, [`FaceForest`] many in one array (one a concavity).
 //!
 //! Source: trees of axis-aligned boxes over faces are van den Bergen's (1997, "Efficient collision
 //! detection of complex deformable models using AABB trees"); how they are grown stands in `build`.
@@ -22,7 +22,7 @@ use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
 pub use self::build::partition;
-pub(crate) use self::codec::{NodesFromCounts, StoredForest, StoredTree, check_shape};
+pub(crate) use self::codec::StoredTree;
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
 pub use self::paired::PairedStep;
@@ -108,8 +108,12 @@ impl FaceTree {
     pub(crate) fn of_pairs(mesh: &Mesh, mates: &Mates, leaf_size: usize) -> Self {
         let count = mesh.faces().len();
         let mut tree = Self::with_capacity(count, leaf_size);
-        let all = (0..count as u32).map(FaceId);
-        let pairs = paired_boxes(mates, all, |_| true);
+        let boxed = |face: FaceId| (face, *mates.bounds(face));
+        let pairs = (0..count as u32).map(FaceId).filter_map(|face| {
+            let mate = mates.of_face(face);
+            // The lesser of two speaks for both.
+            mate.is_none_or(|mate| face < mate).then(|| (boxed(face), mate.map(boxed)))
+        });
         Grower::new(leaf_size).grow_pairs(pairs, &mut tree.nodes, &mut tree.faces);
         tree
     }
@@ -253,20 +257,6 @@ fn face_boxes<'a>(
     faces: &'a [FaceId],
 ) -> impl Iterator<Item = (FaceId, Aabb)> + 'a {
     faces.iter().map(|&face| (face, Aabb::of_points(mesh.triangle(face))))
-}
-
-/// Faces with their boxes, alone and in pairs; `among`: whether a face is one of these.
-fn paired_boxes(
-    mates: &Mates,
-    faces: impl Iterator<Item = FaceId>,
-    among: impl Fn(FaceId) -> bool,
-) -> impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)> {
-    let boxed = |face: FaceId| (face, *mates.bounds(face));
-    faces.filter_map(move |face| {
-        let mate = mates.of_face(face).filter(|&mate| among(mate));
-        // The lesser of two speaks for both.
-        (mate.is_none_or(|mate| face < mate)).then(|| (boxed(face), mate.map(boxed)))
-    })
 }
 
 #[cfg(test)]

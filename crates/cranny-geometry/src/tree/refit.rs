@@ -240,7 +240,8 @@ impl FaceTree {
     }
 }
 
-fn half_area(b: &Aabb) -> f64 {
+/// Half the area of a box.
+pub(super) fn half_area(b: &Aabb) -> f64 {
     let e = b.max - b.min;
     e.x * e.y + e.y * e.z + e.z * e.x
 }

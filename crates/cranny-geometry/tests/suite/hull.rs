@@ -1,6 +1,7 @@
 //! Convex hulls of the point sets that break hull codes, all validated exactly.
 
 use cranny_exact::{DMat3, DQuat, DVec3};
+use cranny_geometry::VertexId;
 use cranny_geometry::hull::{
     ConvexHull, HullError, HullKind, HullVertexId, HullViolation, Location,
 };
@@ -515,4 +516,23 @@ proptest! {
         let hull = ConvexHull::of_points(&nudged);
         prop_assert_eq!(hull.validate(&nudged), vec![]);
     }
+}
+
+#[test]
+fn triangles_of_the_hull_are_found_from_any_corner_but_not_turned_over() {
+    // Point 0 is inside the tetrahedron of the others.
+    let p = [0.25 * DVec3::ONE, DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y, 2.0 * DVec3::Z];
+    let hull = ConvexHull::of_points(&p);
+    let mut triangles = Vec::new();
+    for corners in [[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]] {
+        let [a, b, c] = corners.map(VertexId);
+        let found = hull.triangle_of([a, b, c]);
+        triangles.extend(found);
+        assert_eq!(found, hull.triangle_of([b, c, a]));
+        assert_eq!(found, hull.triangle_of([c, a, b]));
+        assert_eq!(hull.triangle_of([b, a, c]), None);
+        assert_eq!(hull.triangle_of([VertexId(0), b, c]), None);
+    }
+    triangles.sort_unstable();
+    assert_eq!(triangles, [0, 1, 2, 3]);
 }

@@ -74,7 +74,7 @@ fn shown(model: &Model) -> String {
         (
             (model.mesh(), model.topology(), model.hull(), model.tree(), model.patches()),
             (model.mass_properties(), model.radius(), model.digest()),
-            (&concavities, concavities.hull_covers(model)),
+            &concavities,
         )
     )
 }
@@ -251,10 +251,10 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         Body::decode(&other).unwrap_err()
     };
     // A whole file of another version is distinguished from a damaged one: its sections are others.
-    assert_eq!(with(8, 10), DecodeError::Head { field: "version" });
+    assert_eq!(with(8, 11), DecodeError::Head { field: "version" });
     let mut foreign = bytes.clone();
-    (foreign[8], foreign[HEAD]) = (10, b'X');
-    let expected = DecodeError::Version { found: 10, supported: 9 };
+    (foreign[8], foreign[HEAD]) = (11, b'X');
+    let expected = DecodeError::Version { found: 11, supported: 10 };
     assert_eq!(Body::decode(&sealed(foreign)).unwrap_err(), expected);
     let reported = with(17, !bytes[17]).to_string();
     assert!(reported.contains("damaged") && reported.contains("length in its head"), "{reported}");
@@ -468,11 +468,10 @@ fn use_all(model: &Body) {
         let _ = model.filed_face(face);
     }
     for patch in (0..patches.len() as u32).map(PatchId) {
-        let root = patches.trees().root(patch.index()).unwrap();
-        patches.trees().arena().visit_from(root, everywhere, |face| {
-            assert_eq!(patches.patch_of_face(face), patch);
-        });
-        let _ = patches.slab(root);
+        let faces = patches.faces(patch);
+        assert!(!faces.is_empty() && faces.iter().all(|&f| patches.patch_of_face(f) == patch));
+        let bounds = patches.patch(patch).bounds;
+        assert!(bounds.contains_point(bounds.center()));
     }
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
         let _ =
@@ -481,7 +480,7 @@ fn use_all(model: &Body) {
     for edge in (0..model.topology().edges().len() as u32).map(EdgeId) {
         let _ = (patches.patch_of_edge(model.topology(), edge), model.features().edge(edge));
     }
-    let _ = (patches.top().len(), model.mass_properties(), model.radius());
+    let _ = (model.mass_properties(), model.radius());
 }
 
 fn use_hull(model: &Body, center: DVec3) {
@@ -538,13 +537,6 @@ fn use_concavities(model: &Body) {
     }
     for cap in (0..concavities.cap_count() as u32).map(CapId) {
         let _ = concavities.cap(cap);
-    }
-    let (hull, covers) = (model.hull(), model.hull_covers());
-    let facets = (0..hull.facet_count() as u32).map(|f| covers.facet(FacetId(f)));
-    let edges = (0..3 * hull.triangle_count() as u32).map(|h| covers.edge(HalfEdgeId(h)));
-    let vertices = (0..hull.vertex_count() as u32).map(|v| covers.vertex(HullVertexId(v)));
-    for concavity in facets.chain(edges).chain(vertices).flat_map(|cover| cover.lids()) {
-        let _ = concavities.get(concavity);
     }
     for facet in (0..model.hull().facet_count() as u32).map(FacetId) {
         if let Cover::Lid(concavity) = concavities.cover(facet) {

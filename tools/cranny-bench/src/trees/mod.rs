@@ -6,7 +6,7 @@ mod scenes;
 mod variant;
 
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{BuildOptions, FaceForest, FaceTree, Mesh, Patches, Topology};
+use cranny_geometry::{BuildOptions, FaceTree, Mesh, Patches, Topology};
 use cranny_shapes::ShapeError;
 
 use crate::report::{Cell, Report, Table};
@@ -135,18 +135,11 @@ fn building(quick: bool) -> Result<Table, ShapeError> {
     for (name, mesh) in solids {
         let topology = Topology::of(&mesh);
         let patches = Patches::of(&mesh, &topology);
-        let groups: Vec<_> =
-            (0..patches.len()).map(|p| patches.faces(cranny_geometry::PatchId(p as u32))).collect();
-        let [tree, patch_trees, whole] = race(
+        let [tree, whole] = race(
             Patience::of(quick),
-            [
-                &mut || keep(FaceTree::of(&mesh, BuildOptions::DEFAULT_LEAF_SIZE)),
-                &mut || {
-                    let groups = groups.iter().copied();
-                    keep(FaceForest::over(&mesh, groups, Patches::LEAF_SIZE));
-                },
-                &mut || keep(Patches::of(&mesh, &topology)),
-            ],
+            [&mut || keep(FaceTree::of(&mesh, BuildOptions::DEFAULT_LEAF_SIZE)), &mut || {
+                keep(Patches::of(&mesh, &topology));
+            }],
         );
         rows.push(vec![
             Cell::Text(name),
@@ -154,10 +147,9 @@ fn building(quick: bool) -> Result<Table, ShapeError> {
             Cell::Time(tree),
             Cell::Count(patches.len()),
             Cell::Time(whole),
-            Cell::Time(patch_trees),
         ]);
     }
-    let columns = vec!["solid", "faces", "tree", "patches", "patches in all", "of it, trees"];
+    let columns = vec!["solid", "faces", "tree", "patches", "patches in all"];
     Ok(Table { title: "building trees and patches", columns, rows })
 }
 

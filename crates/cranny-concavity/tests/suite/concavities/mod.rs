@@ -3,7 +3,6 @@
 mod bodies;
 pub(crate) mod check;
 mod counts;
-mod covers;
 mod families;
 mod noisy;
 mod random;

@@ -29,7 +29,7 @@ impl HullRepair<'_> {
             surface.triangles.iter().map(|t| t.map(|point| number(self, point))).collect();
         // Both are in the one form, so a triangle of both is written the same way.
         let mut old: Vec<([u32; 3], u32)> =
-            (0..).zip(&self.triangles).map(|(t, &corners)| (corners, t)).collect();
+            (0..).zip(&self.surface.triangles).map(|(t, &corners)| (corners, t)).collect();
         old.sort_unstable();
         let mut is_kept = vec![false; old.len()];
         new.retain(|&corners| {
@@ -38,15 +38,9 @@ impl HullRepair<'_> {
         });
         let is_gone = |t: u32| !is_kept[t as usize];
         let gone: Vec<u32> = (0..old.len() as u32).filter(|&t| is_gone(t)).collect();
-        let edges = gone
-            .iter()
-            .flat_map(|&t| [(3 * t, 3 * t + 1), (3 * t + 1, 3 * t + 2), (3 * t + 2, 3 * t)]);
-        let rim: Vec<(u32, u32, u32)> = edges
-            .map(|(h, next)| (self.origin(h), self.origin(next), self.twins[h as usize]))
-            .filter(|&(.., beyond)| !is_gone(beyond / 3))
-            .collect();
+        let rim = self.edges_around(gone.iter().copied(), is_gone);
         gone.into_iter().for_each(|t| self.kill(t));
-        self.find_leaving();
+        self.leaving = self.surface.leaving(self.sources.len());
         self.fill(&rim, &new)
     }
 }

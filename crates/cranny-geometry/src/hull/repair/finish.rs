@@ -39,7 +39,9 @@ pub(in crate::hull) struct Repaired {
 impl HullRepair<'_> {
     /// The triangles that are new, ascending.
     fn made(&self) -> Vec<u32> {
-        (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect()
+        (self.first_new..self.surface.triangles.len() as u32)
+            .filter(|&t| self.is_alive(t))
+            .collect()
     }
 
     /// The surface, which [is sound](Self::is_sound).
@@ -57,11 +59,10 @@ impl HullRepair<'_> {
         let gone = self.gone();
         let lost = gone.iter().map(|&v| self.at(v)).collect();
         let (numbering, new) = self.number(&fresh, gone);
-        let surface = HullSurface { triangles: self.triangles, twins: self.twins };
         Repaired {
             sources: self.sources,
             positions: self.positions,
-            surface,
+            surface: self.surface,
             leaving: self.leaving,
             numbering,
             new,
@@ -76,12 +77,13 @@ impl HullRepair<'_> {
     /// and every vertex extreme: then the vertices are exactly the extreme points.
     pub(in crate::hull) fn is_sound(&self) -> bool {
         let new = self.made();
-        let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
+        let touched: BTreeSet<u32> =
+            new.iter().flat_map(|&t| self.surface.triangles[t as usize]).collect();
         let is_extreme = |&v: &u32| {
             let mut convex = 0;
-            for h in self.spokes(v) {
-                let apex = self.origin(previous(self.twins[h as usize]));
-                match self.side_of(self.triangles[h as usize / 3], self.at(apex)) {
+            for h in self.surface.spokes(self.leaving[v as usize]) {
+                let apex = self.surface.origin(previous(self.surface.twins[h as usize]));
+                match self.side_of(self.surface.triangles[h as usize / 3], self.at(apex)) {
                     Sign::Positive => return false,
                     Sign::Negative => convex += 1,
                     Sign::Zero => {}
@@ -90,7 +92,7 @@ impl HullRepair<'_> {
             convex >= 3
         };
         let is_flat = |&t: &u32| {
-            let [a, b, c] = self.triangles[t as usize].map(|v| self.at(v));
+            let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.at(v));
             collinear(a, b, c)
         };
         touched.iter().all(is_extreme) && !new.iter().any(is_flat)
@@ -112,7 +114,7 @@ impl HullRepair<'_> {
             let form: Vec<[u32; 3]> =
                 halved(rim.len() as u32).map(|t| self.lowest_first(corners(t))).collect();
             let own: BTreeSet<[u32; 3]> =
-                polygon.iter().map(|&t| self.triangles[t as usize]).collect();
+                polygon.iter().map(|&t| self.surface.triangles[t as usize]).collect();
             let is_so = form.len() == own.len() && form.iter().all(|t| own.contains(t));
             polygon.iter().for_each(|t| {
                 left.remove(t);
@@ -129,24 +131,25 @@ impl HullRepair<'_> {
     fn close_ranks(&mut self, moves: &[(u32, u32)], count: usize) {
         let places: BTreeMap<u32, u32> = moves.iter().copied().collect();
         let moved = |h: u32| places.get(&(h / 3)).map(|to| 3 * to + h % 3);
-        let twins_of = |t: u32| [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.twins[h as usize]);
+        let twins_of =
+            |t: u32| [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.surface.twins[h as usize]);
         let contents: Vec<(u32, [u32; 3], [u32; 3])> = moves
             .iter()
-            .map(|&(from, to)| (to, self.triangles[from as usize], twins_of(from)))
+            .map(|&(from, to)| (to, self.surface.triangles[from as usize], twins_of(from)))
             .collect();
         for (to, corners, twins) in contents {
-            self.triangles[to as usize] = corners;
+            self.surface.triangles[to as usize] = corners;
             for (h, (corner, twin)) in (3 * to..).zip(corners.into_iter().zip(twins)) {
                 let place = moved(twin);
-                self.twins[h as usize] = place.unwrap_or(twin);
+                self.surface.twins[h as usize] = place.unwrap_or(twin);
                 if place.is_none() {
-                    self.twins[twin as usize] = h;
+                    self.surface.twins[twin as usize] = h;
                 }
                 self.leaving[corner as usize] = h;
             }
         }
-        self.triangles.truncate(count);
-        self.twins.truncate(3 * count);
+        self.surface.triangles.truncate(count);
+        self.surface.twins.truncate(3 * count);
     }
 
     /// Vertices of the hull before that are none where they were.
@@ -177,12 +180,12 @@ impl HullRepair<'_> {
         }
         come.sort_unstable_by_key(|&v| self.sources[v as usize]);
         for corner in fresh.iter().flat_map(|&t| 3 * t..3 * t + 3) {
-            let corner = &mut self.triangles[corner as usize / 3][corner as usize % 3];
+            let corner = &mut self.surface.triangles[corner as usize / 3][corner as usize % 3];
             *corner = back.get(corner).copied().unwrap_or(*corner);
         }
         let numbering = Numbering::of(&self.sources, self.known, &gone, &come);
         if !numbering.is_same() {
-            numbering.apply(&mut self.triangles);
+            numbering.apply(&mut self.surface.triangles);
         }
         self.sources = numbering.arranged(std::mem::take(&mut self.sources));
         self.positions = numbering.arranged(std::mem::take(&mut self.positions));
