@@ -108,8 +108,8 @@ impl Crossings {
         let [u, v, w] = [turns(0), turns(1), turns(2)];
         let seen_from_its = |j: usize| [u[j], v[j], w[j]];
         let seen_from_its = [seen_from_its(0), seen_from_its(1), seen_from_its(2)];
-        let of_own = Edges::of(its.sides(a, of_plane(its.length)), [u, v, w]);
-        let of_its = Edges::of(own.sides(b, of_plane(own.length)), seen_from_its);
+        let of_own = PiercingEdges::of(its.sides(a, of_plane(its.length)), [u, v, w]);
+        let of_its = PiercingEdges::of(own.sides(b, of_plane(own.length)), seen_from_its);
         let certain = of_own.certain & of_its.certain;
         let pierced = of_own.pierced() | of_its.pierced();
         Self {
@@ -144,7 +144,7 @@ impl Crossings {
 }
 
 /// The edges of one of two triangles, with the other.
-struct Edges {
+struct PiercingEdges {
     piercing: [u32; 3],
     rising: [u32; 3],
     /// Of all three edges it is certain whether they pierce.
@@ -153,7 +153,7 @@ struct Edges {
     clear: u32,
 }
 
-impl Edges {
+impl PiercingEdges {
     /// By the sides of the corners about the other's plane, and how each edge goes round the
     /// other's.
     #[inline(always)]
