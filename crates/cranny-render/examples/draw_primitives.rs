@@ -1,7 +1,7 @@
 //! A picture of everything that a draw list can hold: bodies, an open surface, a translucent
 //! overlay, class colours, contact marks, lines, ground and shadows.
 //!
-//! `cargo run -p cranny-render --example primitives [PICTURE.png [ANIMATION.png [SHEET.png]]]`
+//! `cargo run -p cranny-render --example draw_primitives [PICTURE.png [ANIMATION.png [SHEET.png]]]`
 #![allow(clippy::print_stdout, reason = "an example talks to its user")]
 
 use std::error::Error;
