@@ -35,7 +35,6 @@ pub(super) fn vertices_within(
     let mut start: Vec<VertexId> = faces.into_iter().flat_map(|f| mesh.corners(f)).collect();
     start.retain(|&v| at_faces.number(key(v)).1);
     let cut = edges_that_meet(pair, side, meeting);
-    let sides = if pair.model(side).is_closed() { 1 } else { 2 };
     let mut known = Numbering::for_keys(start.len());
     let mut found = Vec::new();
     let mut sure: Vec<VertexId> = Vec::new();
@@ -51,14 +50,13 @@ pub(super) fn vertices_within(
                 found.push(v);
             }
             for &face in pair.topology(side).faces_at(v) {
-                for (i, w) in beside(mesh.corners(face), v).into_iter().take(sides) {
-                    // Outside, no farther than the faces that meet.
-                    let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
-                    let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
-                    if known.get(key(w)).is_none() && is_wanted() && is_whole() {
-                        known.number(key(w));
-                        sure.push(w);
-                    }
+                let (i, w) = next(mesh.corners(face), v);
+                // Outside, no farther than the faces that meet.
+                let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
+                let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
+                if known.get(key(w)).is_none() && is_wanted() && is_whole() {
+                    known.number(key(w));
+                    sure.push(w);
                 }
             }
         }
@@ -66,13 +64,14 @@ pub(super) fn vertices_within(
     found
 }
 
-/// The other corners of a face, each with the number of the side that leads there: first the next.
-/// Over all faces at a vertex of a closed surface, the next ones are all beside it.
+/// The next corner of a face, and the number of the side that leads there.
+///
+/// It is enough to go that way: round a face that does not meet the other surface it leads to all
+/// corners, and those of a face that does are in the list from which all begins.
 #[inline]
-fn beside(corners: [VertexId; 3], vertex: VertexId) -> [(usize, VertexId); 2] {
+fn next(corners: [VertexId; 3], vertex: VertexId) -> (usize, VertexId) {
     let at = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
-    let (next, last) = ((at + 1) % 3, (at + 2) % 3);
-    [(at, corners[next]), (last, corners[last])]
+    (at, corners[(at + 1) % 3])
 }
 
 /// The edges of a body that meet the other surface, numbered.

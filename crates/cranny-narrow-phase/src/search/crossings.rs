@@ -21,7 +21,8 @@ use super::lanes::Wide3;
 /// that are not certain count; larger: exact arithmetic decides what is clear.
 const OFF: f32 = 2.5;
 
-/// Determinants of less are not compared: their products lose digits.
+/// Determinants of less are not compared: their products lose digits. Smaller: what underflows
+/// counts as certain; larger: exact arithmetic decides about small faces that are clear.
 const LEAST: f32 = 1e-30;
 
 /// The lanes in which a determinant is certainly above zero, and those in which it is below.
@@ -90,7 +91,7 @@ pub(crate) struct Crossings {
 }
 
 impl Crossings {
-    /// Of triangles about one point, whose corners are off by `error`.
+    /// Of triangles about one point; their corners are off by `error`.
     pub(crate) fn of(a: &[Wide3; 3], b: &[Wide3; 3], error: f32x8) -> Self {
         let two = f32x8::splat(2.0);
         let (own, its) = (Lines::of(a, two * error), Lines::of(b, two * error));

@@ -95,7 +95,7 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 
     /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces
-    /// of which no more is known than `wants` asks for count as meeting.
+    /// that `wants` does not have measured count as meeting, unless single precision parts them.
     fn separation(
         &mut self,
         clusters: [u32; 2],
@@ -124,15 +124,18 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
                 }
                 let its = its.get_or_insert_with(|| faced.its());
                 self.pairs.push(&faced, (lane, &own), (other, its), gaps[other]);
+                if !is_judged_at_once {
+                    // They count as meeting, and nothing is nearer.
+                    least = 0.0;
+                }
                 if self.pairs.is_full() {
                     least = self.judge(least, wants, counters);
                 }
             }
         }
         match its {
-            None => least,
             Some(_) if is_judged_at_once => self.judge(least, wants, counters),
-            Some(_) => 0.0,
+            _ => least,
         }
     }
 
