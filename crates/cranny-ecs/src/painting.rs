@@ -24,7 +24,7 @@ use cranny_render::{
     Camera, DrawList, Ground, Image, ImageSize, Instance, RenderError, Renderer, Shading, Style,
 };
 use cranny_world::BodyId;
-use cranny_world::description::{Effect, SceneDescription};
+use cranny_world::description::{BodyDescription, Effect, SceneDescription};
 
 pub use self::cameras::{CAMERA_PRESETS, DEFAULT_CAMERA, NamedCamera};
 use self::coats::Coats;
@@ -191,6 +191,15 @@ impl ScenePainter {
     /// Takes in a body that the scene does not describe, or another geometry of one that it does.
     pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
         self.coats.put(id, record)
+    }
+
+    /// Takes in another geometry of a body, as a scene describes it.
+    pub(crate) fn put_described(
+        &mut self,
+        id: BodyId,
+        body: &BodyDescription,
+    ) -> Result<(), SceneAppError> {
+        self.coats.put_described(id, body).map(drop)
     }
 
     /// Draws a body no more.

@@ -146,7 +146,8 @@ impl Plugin for RecordingPlugin {
         let bodies = app.world().resource::<Bodies>();
         let is_sensor = |record: &BodyRecord| app.world().get::<Sensor>(record.entity).is_some();
         let known = bodies.iter().map(|(id, record)| (id, record, IsSensor(is_sensor(record))));
-        let written = record_bodies(&mut recorder, known);
+        let step = app.world().resource::<SimulatedTime>().steps();
+        let written = record_bodies(&mut recorder, step, known);
         let shown = bodies.iter().map(|(id, record)| (id, ShownBody::of(record)));
         recorder.shown = shown.collect();
         app.world_mut().resource_mut::<Failure>().note(written);
@@ -168,6 +169,7 @@ struct IsSensor(bool);
 
 fn record_bodies<'a>(
     recorder: &mut FrameRecorder,
+    step: u64,
     bodies: impl Iterator<Item = (BodyId, &'a BodyRecord, IsSensor)>,
 ) -> Result<(), SceneAppError> {
     let shown = bodies.map(|(id, record, is_sensor)| {
@@ -187,7 +189,7 @@ fn record_bodies<'a>(
         kind: Some(record.kind),
     });
     let bodies: Vec<RecordedBody> = bodies.collect();
-    recorder.open().map_or(Ok(()), |r| r.bodies(&bodies)).map_err(Into::into)
+    recorder.open().map_or(Ok(()), |r| r.bodies(step, &bodies)).map_err(Into::into)
 }
 
 /// A body that comes while the run goes on, or one whose geometry has changed.
@@ -195,6 +197,7 @@ fn record_body(
     inserted: On<Insert<Body>>,
     query: Query<(&Body, Has<Sensor>)>,
     bodies: Res<Bodies>,
+    time: Res<SimulatedTime>,
     mut recorder: ResMut<FrameRecorder>,
     mut failure: ResMut<Failure>,
 ) {
@@ -205,23 +208,24 @@ fn record_body(
         return;
     }
     if let Some(recorder) = recorder.open() {
-        failure.note(recorder.remove_body(&record.name));
+        failure.note(recorder.remove_body(time.steps(), &record.name));
     }
     let bodies = [(id, record, IsSensor(is_sensor))];
-    failure.note(record_bodies(&mut recorder, bodies.into_iter()));
+    failure.note(record_bodies(&mut recorder, time.steps(), bodies.into_iter()));
 }
 
 fn record_removal(
     removed: On<Remove<Body>>,
     query: Query<&Body>,
     bodies: Res<Bodies>,
+    time: Res<SimulatedTime>,
     mut recorder: ResMut<FrameRecorder>,
     mut failure: ResMut<Failure>,
 ) {
     let Ok(&Body { id }) = query.get(removed.entity) else { return };
     recorder.shown.remove(&id);
     if let Some(recorder) = recorder.open() {
-        failure.note(recorder.remove_body(bodies.name(id)));
+        failure.note(recorder.remove_body(time.steps(), bodies.name(id)));
     }
 }
 

@@ -1,5 +1,5 @@
-//! A recording computed anew: every pair from the poses that its answer came from, compared to the
-//! bit; and its moments, to be drawn.
+//! A recording computed anew: every pair from the poses and shapes that its answer came from,
+//! compared to the bit; and its moments, to be drawn.
 //!
 //! Verdicts, containment and regions (with depth, area, points and curves) are functions of models,
 //! poses and margin, so they must come out the same on every machine. Contacts for a solver, and
@@ -7,14 +7,12 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{BuildOptions, Model};
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
-use cranny_primitives::{
-    BodyShape, PlacedShape, Primitive, ShapeQueryError, UnknownPrimitive, query_shapes,
-};
+use cranny_primitives::{BodyShape, PlacedShape, Primitive, UnknownPrimitive, query_shapes};
 use cranny_record::{
     DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
 };
@@ -43,14 +41,6 @@ pub enum ReplayError {
         /// Why.
         why: String,
     },
-    /// A body's shape changed in the course of it, as by a dent, or another took its name.
-    #[error("recording '{}': the shape of body '{body}' changes in it, which a replay does not follow yet. Open it in a viewer, or record the scene without what changes shapes.", path.display())]
-    Reshaped {
-        /// The recording.
-        path: PathBuf,
-        /// The body's name.
-        body: String,
-    },
     /// It holds no frame that can be replayed.
     #[error("recording '{}' {why}", path.display())]
     Empty {
@@ -65,14 +55,26 @@ pub enum ReplayError {
 pub struct Replay {
     recording: Recording,
     path: PathBuf,
+    /// By name.
     bodies: BTreeMap<String, ReplayBody>,
     frames: Vec<ReplayFrame>,
+    prepared: Mutex<PreparedShapes>,
 }
 
-/// A body of a recording.
+/// A body of a recording: what it was, from which log time on. Never empty.
+type ReplayBody = Vec<(u64, DrawnBody)>;
+
+/// What collides, as of the frames that were computed last. A body that is dented has hundreds of
+/// shapes, each with trees of its own: it keeps one.
+type PreparedShapes = BTreeMap<String, PreparedShape>;
+
+/// What collides of a body.
 #[derive(Clone, Debug)]
-struct ReplayBody {
-    drawn: DrawnBody,
+struct PreparedShape {
+    /// Since which log time.
+    since: u64,
+    /// The model's digest, where it is one.
+    digest: Option<String>,
     /// `None` where the recording does not say what collides.
     shape: Option<BodyShape>,
 }
@@ -86,6 +88,8 @@ pub struct ReplayFrame {
     pub poses: PosesByName,
     /// What was found about pairs.
     pub pairs: Vec<PairMessage>,
+    /// Log time, nanoseconds.
+    at: u64,
 }
 
 /// What a comparison found.
@@ -127,24 +131,17 @@ impl Replay {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, ReplayError> {
         let path = path.as_ref().to_owned();
         let recording = Recording::open(&path)?;
-        let mut bodies = BTreeMap::new();
-        let mut models = BTreeMap::new();
-        for drawn in recording.bodies()? {
-            let shape = shape_of(&recording, &path, &drawn, &mut models)?;
-            let name = drawn.name.clone();
-            let said = (drawn.model.clone(), drawn.primitive.clone());
-            let before = bodies.insert(name.clone(), ReplayBody { drawn, shape });
-            let said_before =
-                |body: ReplayBody| (body.drawn.model.clone(), body.drawn.primitive.clone());
-            if before.map(said_before).is_some_and(|before| before != said) {
-                return Err(ReplayError::Reshaped { path, body: name });
+        let mut bodies = BTreeMap::<String, ReplayBody>::new();
+        for (at, changes) in recording.body_changes()? {
+            for drawn in changes.came {
+                bodies.entry(drawn.name.clone()).or_default().push((at, drawn));
             }
         }
         let mut pairs: BTreeMap<u64, Vec<PairMessage>> =
             recording.contacts()?.into_iter().map(|(at, found)| (at, found.pairs)).collect();
         let frames = recording.transforms()?.into_iter().map(|(at, poses)| {
             let (time, pairs) = (at as f64 / NANOSECONDS, pairs.remove(&at).unwrap_or_default());
-            ReplayFrame { time, poses, pairs }
+            ReplayFrame { time, poses, pairs, at }
         });
         let frames: Vec<ReplayFrame> = frames.collect();
         if frames.is_empty() || bodies.is_empty() {
@@ -156,7 +153,12 @@ impl Replay {
             };
             return Err(ReplayError::Empty { path, why: why.to_owned() });
         }
-        Ok(Self { recording, path, bodies, frames })
+        let replay = Self { recording, path, bodies, frames, prepared: Mutex::default() };
+        // Models that are damaged are known at once; shapes that came later, when they are needed.
+        for name in replay.bodies.keys() {
+            replay.shape(name, replay.frames[0].at)?;
+        }
+        Ok(replay)
     }
 
     /// The file's own listing.
@@ -196,7 +198,7 @@ impl Replay {
         for frame in frames {
             report.frames += 1;
             for pair in &frame.pairs {
-                let computed = match self.compute(pair) {
+                let computed = match self.compute(pair, frame.at) {
                     None => {
                         report.unknown += 1;
                         continue;
@@ -206,7 +208,7 @@ impl Replay {
                         continue;
                     }
                     Some(Ok(answer)) => computed_words(&answer),
-                    Some(Err(error)) => error.to_string(),
+                    Some(Err(why)) => why,
                 };
                 let (a, b, recorded) = (pair.a.clone(), pair.b.clone(), recorded_words(pair));
                 let time = frame.time;
@@ -216,11 +218,14 @@ impl Replay {
         report
     }
 
-    /// The answer about a pair, in the frame and from the poses in which it was computed; `None`
-    /// where the recording does not say what collides, or within what margin.
-    fn compute(&self, pair: &PairMessage) -> Option<Result<Answer, ShapeQueryError>> {
-        let shape = |name: &str| self.bodies.get(name)?.shape.as_ref();
-        let (a, b) = (shape(&pair.a)?, shape(&pair.b)?);
+    /// The answer about a pair, in the frame and from the poses and shapes in which it was
+    /// computed; `None` where the recording does not say what collides, or within what margin.
+    fn compute(&self, pair: &PairMessage, at: u64) -> Option<Result<Answer, String>> {
+        let shapes = self.shape(&pair.a, at).and_then(|a| Ok((a, self.shape(&pair.b, at)?)));
+        let (a, b) = match shapes {
+            Ok((a, b)) => (a?, b?),
+            Err(error) => return Some(Err(error.to_string())),
+        };
         let margin = pair.margin?;
         let question = Query::of(Demand::Regions { margin });
         let ask = |shapes: [&BodyShape; 2], poses: [Pose; 2]| {
@@ -230,74 +235,81 @@ impl Replay {
         let ExactPose(pose_a) = pair.pose_a;
         let ExactPose(pose_b) = pair.pose_b;
         let answer = match pair.frame {
-            None => ask([a, b], [pose_a, pose_b]),
+            None => ask([&a, &b], [pose_a, pose_b]),
             Some(frame) => {
                 let ExactPose(second) = frame.first_from_second;
                 let poses = [Pose::IDENTITY, second];
                 let [to_a, to_b] = [pose_a, pose_b].map(|pose| pose.world_from_body());
                 match frame.first_is_a {
-                    true => ask([a, b], poses).map(|answer| answer.moved(&to_a)),
-                    false => ask([b, a], poses).map(|answer| answer.moved(&to_b).swapped()),
+                    true => ask([&a, &b], poses).map(|answer| answer.moved(&to_a)),
+                    false => ask([&b, &a], poses).map(|answer| answer.moved(&to_b).swapped()),
                 }
             }
         };
-        Some(answer.map(|mut answer| {
+        let near = |mut answer: Answer| {
             answer.regions.retain(|region| region.deepest.separation <= margin);
             answer
-        }))
+        };
+        Some(answer.map(near).map_err(|error| error.to_string()))
     }
-}
 
-/// A primitive as it was written down, or the model.
-fn shape_of(
-    recording: &Recording,
-    path: &Path,
-    body: &DrawnBody,
-    known: &mut BTreeMap<String, Model>,
-) -> Result<Option<BodyShape>, ReplayError> {
-    let Some(text) = &body.primitive else {
-        return Ok(model_of(recording, path, body, known)?.map(Into::into));
-    };
-    let primitive: Result<Primitive, _> = text.parse();
-    let failed = |error: UnknownPrimitive| ReplayError::Model {
-        path: path.to_owned(),
-        body: body.name.clone(),
-        why: error.to_string(),
-    };
-    Ok(Some(primitive.map_err(failed)?.into()))
-}
-
-/// Loaded where it is attached, else prepared of what is drawn; one for all bodies that share it.
-fn model_of(
-    recording: &Recording,
-    path: &Path,
-    body: &DrawnBody,
-    known: &mut BTreeMap<String, Model>,
-) -> Result<Option<Model>, ReplayError> {
-    let Some(digest) = &body.model else { return Ok(None) };
-    if let Some(model) = known.get(digest) {
-        return Ok(Some(model.clone()));
-    }
-    let failed =
-        |why: String| ReplayError::Model { path: path.to_owned(), body: body.name.clone(), why };
-    let name = topic::model(digest);
-    let attached = recording.attachments().iter().find(|attached| attached.name == name);
-    let model = match attached {
-        Some(attached) => Model::decode(&attached.data).map_err(|e| failed(e.to_string()))?,
-        None => {
-            let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-            Model::build(body.mesh.clone(), &options).map_err(|e| failed(e.to_string()))?.0
+    /// What collides of a body at a log time; `None` where the recording does not say.
+    fn shape(&self, name: &str, at: u64) -> Result<Option<BodyShape>, ReplayError> {
+        let Some(body) = self.bodies.get(name) else { return Ok(None) };
+        let (since, drawn) = as_of(body, at);
+        // What a panic leaves is as it was before or after a body's turn.
+        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = prepared.get(name).filter(|known| known.since == *since) {
+            return Ok(known.shape.clone());
         }
-    };
-    let found = model.digest_text();
-    if found != *digest {
-        return Err(failed(format!(
-            "its digest is {found}, and was {digest} when it was recorded: another version of the \
-             program prepared it, or the file is damaged"
-        )));
+        let same = |known: &&PreparedShape| drawn.model.is_some() && known.digest == drawn.model;
+        let shape = match prepared.values().find(same) {
+            Some(known) => known.shape.clone(),
+            None => self.prepare(drawn)?,
+        };
+        let (since, digest) = (*since, drawn.model.clone());
+        prepared.insert(name.to_owned(), PreparedShape { since, digest, shape: shape.clone() });
+        Ok(shape)
     }
-    known.insert(digest.clone(), model.clone());
-    Ok(Some(model))
+
+    /// A primitive as it was written down, or the model: loaded where it is attached, else prepared
+    /// of what is drawn.
+    fn prepare(&self, body: &DrawnBody) -> Result<Option<BodyShape>, ReplayError> {
+        let failed = |why: String| ReplayError::Model {
+            path: self.path.clone(),
+            body: body.name.clone(),
+            why,
+        };
+        if let Some(text) = &body.primitive {
+            let primitive: Result<Primitive, UnknownPrimitive> = text.parse();
+            return Ok(Some(primitive.map_err(|error| failed(error.to_string()))?.into()));
+        }
+        let Some(digest) = &body.model else { return Ok(None) };
+        let name = topic::model(digest);
+        let mut attachments = self.recording.attachments().iter();
+        let model = match attachments.find(|attached| attached.name == name) {
+            Some(attached) => Model::decode(&attached.data).map_err(|e| failed(e.to_string()))?,
+            None => {
+                let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+                let mesh = Mesh::clone(&body.mesh);
+                Model::build(mesh, &options).map_err(|e| failed(e.to_string()))?.0
+            }
+        };
+        let found = model.digest_text();
+        match found == *digest {
+            true => Ok(Some(model.into())),
+            false => Err(failed(format!(
+                "its digest is {found}, and was {digest} when it was recorded: another version of \
+                 the program prepared it, or the file is damaged"
+            ))),
+        }
+    }
+}
+
+/// What a body was at a log time, or first; and since when.
+fn as_of(body: &ReplayBody, at: u64) -> &(u64, DrawnBody) {
+    let since = body.partition_point(|(since, _)| *since <= at);
+    &body[since.saturating_sub(1)]
 }
 
 fn recorded_words(pair: &PairMessage) -> String {
@@ -323,7 +335,7 @@ fn words(surface: &str, solid: bool, regions: usize, depth: Option<f64>) -> Stri
 
 /// What is drawn of a replay.
 impl Replay {
-    /// The recorded bodies as a scene that stands at a frame: for cameras and colours.
+    /// The recorded bodies as a scene that stands at a frame: for cameras, colours and shapes.
     #[must_use]
     pub fn scene(&self, frame: &ReplayFrame) -> SceneDescription {
         let metadata = self.recording.metadata(topic::METADATA);
@@ -338,7 +350,7 @@ impl Replay {
             step: entry("dt").and_then(|dt| dt.parse().ok()).unwrap_or(1.0),
             duration: 0.0,
             seed: 0,
-            bodies: self.in_order().into_iter().map(|body| described(body, frame)).collect(),
+            bodies: self.in_order().into_iter().map(|body| self.described(body, frame)).collect(),
             joints: Vec::new(),
             excluded_pairs: Vec::new(),
             effects: contacts.into_iter().collect(),
@@ -355,10 +367,11 @@ impl Replay {
     #[must_use]
     pub fn moment(&self, frame: &ReplayFrame) -> crate::painting::Moment {
         let id = self.ids();
-        let is_sensor = |name| self.bodies.get(name).is_some_and(|body| body.drawn.sensor);
+        let is_sensor =
+            |name| self.bodies.get(name).is_some_and(|body| as_of(body, frame.at).1.sensor);
         let pairs = frame.pairs.iter().filter_map(|pair| {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
-            let answer = self.compute(pair)?.ok()?;
+            let answer = self.compute(pair, frame.at)?.ok()?;
             let met = !answer.regions.is_empty();
             met.then_some(crate::painting::MeetingPair {
                 a,
@@ -370,6 +383,26 @@ impl Replay {
         });
         let pairs = pairs.collect();
         crate::painting::Moment { time: frame.time, poses: self.poses(frame), pairs }
+    }
+
+    /// Gives the painter the shapes that bodies have in a frame.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be drawn.
+    #[cfg(feature = "render")]
+    pub fn dress(
+        &self,
+        painter: &mut crate::painting::ScenePainter,
+        frame: &ReplayFrame,
+    ) -> Result<(), crate::error::SceneAppError> {
+        let changing = |name: &&String| self.bodies[*name].len() > 1;
+        for (id, name) in (0..).map(cranny_world::BodyId).zip(self.in_order()) {
+            if changing(&name) {
+                painter.put_described(id, &self.described(name, frame))?;
+            }
+        }
+        Ok(())
     }
 
     /// Where bodies are in a frame, by the numbers that pictures have for them.
@@ -384,45 +417,50 @@ impl Replay {
     #[cfg(feature = "render")]
     fn ids(&self) -> impl Fn(&String) -> Option<cranny_world::BodyId> {
         let names = (0..).map(cranny_world::BodyId).zip(self.in_order());
-        let ids: BTreeMap<&String, _> = names.map(|(id, body)| (&body.drawn.name, id)).collect();
+        let ids: BTreeMap<&String, _> = names.map(|(id, name)| (name, id)).collect();
         move |name| ids.get(name).copied()
     }
 
-    /// The bodies by the numbers that they had in the run, so that pictures choose the same colors;
-    /// by their names where the recording does not say.
-    fn in_order(&self) -> Vec<&ReplayBody> {
-        let mut bodies: Vec<&ReplayBody> = self.bodies.values().collect();
-        bodies.sort_by_key(|body| body.drawn.number.unwrap_or(u32::MAX));
-        bodies
+    /// Names by the numbers that bodies had in the run, so that pictures choose the same colors; in
+    /// their own order where the recording does not say.
+    fn in_order(&self) -> Vec<&String> {
+        let mut names: Vec<&String> = self.bodies.keys().collect();
+        names.sort_by_key(|&name| self.bodies[name][0].1.number.unwrap_or(u32::MAX));
+        names
     }
-}
 
-fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
-    let kind = match body.drawn.kind.as_deref() {
-        Some("fixed") => BodyKind::Fixed,
-        Some("kinematic") => BodyKind::Kinematic,
-        _ => BodyKind::Dynamic,
-    };
-    let mesh = Arc::new(body.drawn.mesh.clone());
-    let model = body.shape.as_ref().and_then(BodyShape::model);
-    let collision = model.map(|model| Arc::new(model.mesh().clone()));
-    BodyDescription {
-        name: body.drawn.name.clone(),
-        collision: collision.unwrap_or_else(|| mesh.clone()),
-        shape: body.shape.clone(),
-        visual: Some(mesh),
-        color: body.drawn.stated_color,
-        kind,
-        pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),
-        linear_velocity: DVec3::ZERO,
-        angular_velocity: DVec3::ZERO,
-        path: None,
-        tracker: None,
-        material: Material::default(),
-        mass: None,
-        normals: Normals::default(),
-        sensor: body.drawn.sensor,
-        layers: Vec::new(),
-        effects: Vec::new(),
+    fn described(&self, name: &str, frame: &ReplayFrame) -> BodyDescription {
+        let (_, drawn) = as_of(&self.bodies[name], frame.at);
+        let kind = match drawn.kind.as_deref() {
+            Some("fixed") => BodyKind::Fixed,
+            Some("kinematic") => BodyKind::Kinematic,
+            _ => BodyKind::Dynamic,
+        };
+        // A shape that cannot be prepared is drawn all the same: comparing says why.
+        let shape = self.shape(name, frame.at).ok().flatten();
+        let model = shape.as_ref().and_then(BodyShape::model);
+        let collision = match model {
+            Some(model) if *model.mesh() != *drawn.mesh => Arc::new(model.mesh().clone()),
+            _ => drawn.mesh.clone(),
+        };
+        BodyDescription {
+            name: drawn.name.clone(),
+            collision,
+            shape,
+            visual: Some(drawn.mesh.clone()),
+            color: drawn.stated_color,
+            kind,
+            pose: frame.poses.get(name).copied().unwrap_or(Pose::IDENTITY),
+            linear_velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+            path: None,
+            tracker: None,
+            material: Material::default(),
+            mass: None,
+            normals: Normals::default(),
+            sensor: drawn.sensor,
+            layers: Vec::new(),
+            effects: Vec::new(),
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! What viewers draw of a recording, read back: bodies as they come, change and leave, contacts as
 //! points, arrows and curves, and pictures.
 
+use std::sync::Arc;
+
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::BodyColor;
@@ -20,7 +22,7 @@ pub struct DrawnBody {
     /// Its name and frame.
     pub name: String,
     /// What is drawn of it, in its frame, to the bit.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// Red, green, blue and opacity, 0 to 1.
     pub color: [f64; 4],
     /// Digest of the model that collides, hexadecimal; `None` where the recording does not say.
@@ -167,7 +169,17 @@ fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
     let number = fact(topic::NUMBER_KEY).and_then(|text| text.parse().ok());
     let sensor = fact(topic::SENSOR_KEY).is_some_and(|text| text == true.to_string());
     let color = [r, g, b, a];
-    Ok(DrawnBody { name, mesh, color, model, primitive, kind, stated_color, number, sensor })
+    Ok(DrawnBody {
+        name,
+        mesh: Arc::new(mesh),
+        color,
+        model,
+        primitive,
+        kind,
+        stated_color,
+        number,
+        sensor,
+    })
 }
 
 /// Of `#rrggbb`.

@@ -55,7 +55,7 @@ pub struct Summary {
 pub struct Recorder {
     output: Output,
     dt: f64,
-    /// Of the latest frame or image, nanoseconds.
+    /// Of the latest frame, image or change of bodies, nanoseconds.
     now: u64,
     frames: u64,
     last_step: Option<u64>,
@@ -111,19 +111,22 @@ impl Recorder {
         self.output.partial()
     }
 
-    /// Tells the bodies, in one message, at the time of the latest frame. Call it once, before the
-    /// first frame; bodies that come later may be given by a further call.
+    /// Writes bodies that are there from a step on, in one message: its frame, and what was found
+    /// in it, are of these. Call it before the first frame, and before the first frame of bodies
+    /// that come later.
     ///
     /// # Errors
     ///
-    /// A [name](RecordError::DuplicateBody) that was given before; [`RecordError::Write`].
-    pub fn bodies(&mut self, bodies: &[RecordedBody]) -> Result<(), RecordError> {
+    /// A [name](RecordError::DuplicateBody) of a body that is there;
+    /// [`RecordError::TimeOutOfRange`], [`RecordError::Write`].
+    pub fn bodies(&mut self, step: u64, bodies: &[RecordedBody]) -> Result<(), RecordError> {
         let mut names = self.names.clone();
         for body in bodies {
             if !names.insert(body.name.to_owned()) {
                 return Err(RecordError::DuplicateBody { name: body.name.to_owned() });
             }
         }
+        self.now = self.time_of(step)?;
         bodies.iter().try_for_each(|body| self.attach_model(body))?;
         let time = timestamp(self.now);
         let entities = bodies.iter().map(|body| entity(body, time)).collect();
@@ -150,16 +153,18 @@ impl Recorder {
         Ok(())
     }
 
-    /// Takes a body out of the picture from the time of the latest frame on. Its name is free then.
-    /// Nothing is written for one that is not there.
+    /// Takes a body out of the picture from a step on. Its name is free then. Nothing is written
+    /// for one that is not there.
     ///
     /// # Errors
     ///
-    /// [`RecordError::Write`].
-    pub fn remove_body(&mut self, name: &str) -> Result<(), RecordError> {
-        if !self.names.remove(name) {
+    /// [`RecordError::TimeOutOfRange`], [`RecordError::Write`].
+    pub fn remove_body(&mut self, step: u64, name: &str) -> Result<(), RecordError> {
+        if !self.names.contains(name) {
             return Ok(());
         }
+        self.now = self.time_of(step)?;
+        self.names.remove(name);
         let deletion = SceneEntityDeletion {
             timestamp: Some(timestamp(self.now)),
             r#type: scene_entity_deletion::Type::MatchingId as i32,
@@ -225,7 +230,7 @@ impl Recorder {
         self.output.message(&topic::camera(camera), now, &image)
     }
 
-    /// Writes a line of the log, at the time of the latest frame or picture.
+    /// Writes a line of the log, at the time of the latest frame, picture or change of bodies.
     ///
     /// # Errors
     ///

@@ -135,7 +135,7 @@ impl Recording {
         })
     }
 
-    /// Bodies in the order in which they came, each as it was first recorded.
+    /// Bodies in the order in which they came; one whose shape changes came once a shape.
     ///
     /// # Errors
     ///

@@ -304,7 +304,7 @@ fn what_viewers_draw_is_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let (mut recorder, _) = record(&path, STEPS).unwrap();
-    recorder.remove_body("bob").unwrap();
+    recorder.remove_body(STEPS, "bob").unwrap();
     recorder.finish().unwrap();
     let recording = Recording::open(&path).unwrap();
     let changes = recording.body_changes().unwrap();

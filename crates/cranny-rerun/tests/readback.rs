@@ -179,13 +179,13 @@ fn numbers_words_and_pictures_are_there() {
 }
 
 /// A recording of boxes that stand still; `plan` says what happens before each of four frames.
-fn boxes(path: &Path, plan: impl Fn(&mut Recorder, usize, &[Mesh; 2])) {
+fn boxes(path: &Path, plan: impl Fn(&mut Recorder, u64, &[Mesh; 2])) {
     let meshes = [1.0, 2.0].map(|size| Cuboid { size: [size; 3] }.build().unwrap());
     let mut recorder = Recorder::create(path, &RecordingInfo::new(DT)).unwrap();
-    for frame in 0..4 {
-        plan(&mut recorder, frame, &meshes);
-        let poses = vec![("a/b", Pose::at(DVec3::X * frame as f64))];
-        recorder.frame(&Frame { poses, ..Frame::at_step(10 + frame as u64) }).unwrap();
+    for step in 10..14 {
+        plan(&mut recorder, step, &meshes);
+        let poses = vec![("a/b", Pose::at(DVec3::X * (step - 10) as f64))];
+        recorder.frame(&Frame { poses, ..Frame::at_step(step) }).unwrap();
     }
     recorder.finish().unwrap();
 }
@@ -208,13 +208,13 @@ fn body<'a>(name: &'a str, mesh: &'a Mesh) -> RecordedBody<'a> {
 fn bodies_that_come_change_and_leave_do_so_in_time() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("boxes.mcap");
-    boxes(&path, |recorder, frame, [small, large]| match frame {
-        1 => recorder.bodies(&[body("a/b", small)]).unwrap(),
-        2 => {
-            recorder.remove_body("a/b").unwrap();
-            recorder.bodies(&[body("a/b", large)]).unwrap();
+    boxes(&path, |recorder, step, [small, large]| match step {
+        11 => recorder.bodies(step, &[body("a/b", small)]).unwrap(),
+        12 => {
+            recorder.remove_body(step, "a/b").unwrap();
+            recorder.bodies(step, &[body("a/b", large)]).unwrap();
         }
-        3 => recorder.remove_body("a/b").unwrap(),
+        13 => recorder.remove_body(step, "a/b").unwrap(),
         _ => {}
     });
     let (_, rrd) = converted(&path);
@@ -225,10 +225,10 @@ fn bodies_that_come_change_and_leave_do_so_in_time() {
     let time = |step: u64| at((step as f64 * DT * 1e9).round() as u64, step);
     let seen: Vec<_> =
         meshes.iter().map(|(time, corners)| (*time, corners[0].0.0[0].abs())).collect();
-    assert_eq!(seen, [(time(10), 0.5), (time(11), 1.0)]);
+    assert_eq!(seen, [(time(11), 0.5), (time(12), 1.0)]);
     let cleared: Vec<Row<components::ClearIsRecursive>> =
         rrd.rows(entity, &Clear::descriptor_is_recursive());
-    assert_eq!(cleared.iter().map(|(time, _)| *time).collect::<Vec<_>>(), [time(12)]);
+    assert_eq!(cleared.iter().map(|(time, _)| *time).collect::<Vec<_>>(), [time(13)]);
 }
 
 #[test]

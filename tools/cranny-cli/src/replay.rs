@@ -169,6 +169,7 @@ fn draw(
     let mut first: Option<Image> = None;
     for frame in frames {
         let moment = replay.moment(frame);
+        replay.dress(&mut painter, frame).map_err(crate::run::failure)?;
         let image =
             painter.draw(&mut renderer, &moment, view, size).map_err(crate::run::failure)?;
         // One at a time: an animation keeps what changes.

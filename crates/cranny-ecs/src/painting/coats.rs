@@ -8,7 +8,7 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_primitives::{BodyShape, Primitive};
 use cranny_render::{Color, DrawMesh, Instance, palette};
 use cranny_world::BodyId;
-use cranny_world::description::{BodyColor, BodyKind, SceneDescription};
+use cranny_world::description::{BodyColor, BodyDescription, BodyKind, SceneDescription};
 
 use crate::body::BodyRecord;
 use crate::error::SceneAppError;
@@ -90,11 +90,8 @@ impl Coats {
         let mut coats = Self::default();
         let mut instances = Vec::new();
         for (id, body) in (0u32..).map(BodyId).zip(&scene.bodies) {
-            let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
-            let mut coat = coats.coat(id, &body.name, of, body.kind, body.color)?;
-            coat.shape = body.shape.clone();
+            let coat = coats.put_described(id, body)?;
             instances.push(Instance::solid(coat.mesh.clone(), body.pose, coat.color));
-            coats.coats.insert(id, coat);
         }
         Ok((coats, instances))
     }
@@ -109,6 +106,18 @@ impl Coats {
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = (BodyId, &Coat)> {
         self.coats.iter().map(|(&id, coat)| (id, coat))
+    }
+
+    /// Of a body as a scene describes it.
+    pub(crate) fn put_described(
+        &mut self,
+        id: BodyId,
+        body: &BodyDescription,
+    ) -> Result<&Coat, SceneAppError> {
+        let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
+        let mut coat = self.coat(id, &body.name, of, body.kind, body.color)?;
+        coat.shape = body.shape.clone();
+        Ok(self.coats.entry(id).insert_entry(coat).into_mut())
     }
 
     pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {

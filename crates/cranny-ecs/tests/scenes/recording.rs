@@ -99,48 +99,102 @@ fn an_unwritable_recording_is_refused_before_anything_runs() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A replay has one shape a body.
+/// Cans that are dented over and over: each pair is computed anew of the shapes that it was found
+/// with, whatever steps are recorded, and a moment is drawn with them.
+#[cfg(all(feature = "rapier", feature = "scene"))]
 #[test]
-fn a_body_that_changes_its_shape_is_refused_in_a_replay() {
-    use cranny_exact::Pose;
-    use cranny_geometry::{BuildOptions, Model};
-    use cranny_record::{Frame, RecordedBody, Recorder, RecordingInfo};
+fn a_replay_follows_shapes_that_change() {
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+    let loaded = cranny_scene::load_scene(&scenes.join("dented_cans.ron")).unwrap();
+    let mut scene = loaded.description;
+    scene.effects.push(Effect::Contacts { margin: 0.01 });
+    let folder = tempfile::tempdir().unwrap();
+    for every in [1, 3] {
+        scene.record.every = every;
+        scene.duration = 0.6;
+        let path = folder.path().join("dents.mcap");
+        let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene, &options).unwrap();
+        while app.step().unwrap() {}
+        app.finish().unwrap();
+        let replay = Replay::open(&path).unwrap();
+        let report = replay.compare(replay.frames().iter());
+        assert_eq!(report.different, []);
+        let came: Vec<_> = replay.recording().body_changes().unwrap();
+        let dents = came.len() - 1;
+        assert!(dents > 8 && report.same > 50, "{dents} dents, {} pairs", report.same);
+        // Backwards too: shapes are those of the frame, not of the one before.
+        let again = replay.compare(replay.frames().iter().rev());
+        assert_eq!((again.same, again.different.len()), (report.same, 0));
+        let [first, last] = [0, replay.frames().len() - 1].map(|i| &replay.frames()[i]);
+        let mesh = |frame| replay.scene(frame).bodies[2].visual.clone().unwrap();
+        assert_eq!(mesh(first).bounds(), scene.bodies[2].collision.bounds());
+        assert!(mesh(last) != mesh(first), "dented");
+    }
+}
 
-    let model = |size| {
+/// A shape counts from the step on that it was recorded for.
+#[test]
+fn a_shape_of_another_moment_is_noticed_in_a_replay() {
+    use cranny_exact::{DVec3, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+    use cranny_record::{Frame, PairContacts, RecordedBody, Recorder, RecordingInfo};
+
+    let models = [1.0, 0.875].map(|size| {
         let mesh = cranny_shapes::Cuboid { size: [1.0, 1.0, size] }.build().unwrap();
         let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
         Model::build(mesh, &options).unwrap().0
-    };
+    });
+    let poses = [Pose::IDENTITY, Pose::at(DVec3::new(0.25, 0.5, 0.75))];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("dent.mcap");
-    let replayed = |sizes: [f64; 2]| {
+    let margin = 0.01;
+    let compared = |changes_at: u64| {
         let mut recorder = Recorder::create(&path, &RecordingInfo::new(0.5)).unwrap();
-        for (step, model) in sizes.map(model).iter().enumerate() {
-            let body = RecordedBody {
-                name: "can",
-                mesh: model.mesh(),
-                color: [1.0; 4],
-                color_is_stated: false,
-                number: None,
-                sensor: false,
-                model: Some(model),
-                primitive: None,
-                kind: None,
-            };
-            if step > 0 {
-                recorder.remove_body("can").unwrap();
+        let body = |name, model| RecordedBody {
+            name,
+            mesh: Model::mesh(model),
+            color: [1.0; 4],
+            color_is_stated: false,
+            number: None,
+            sensor: false,
+            model: Some(model),
+            primitive: None,
+            kind: None,
+        };
+        recorder.bodies(0, &[body("can", &models[0]), body("table", &models[0])]).unwrap();
+        for step in 0..4 {
+            if step == changes_at {
+                recorder.remove_body(step, "can").unwrap();
+                recorder.bodies(step, &[body("can", &models[1])]).unwrap();
             }
-            recorder.bodies(&[body]).unwrap();
-            let mut frame = Frame::at_step(step as u64);
-            frame.poses = vec![("can", Pose::IDENTITY)];
+            let shape = &models[usize::from(step >= 2)];
+            let [a, b] = [(shape, poses[0]), (&models[0], poses[1])]
+                .map(|(model, pose)| Placed { model, pose });
+            let question = Query::of(Demand::Regions { margin });
+            let answer = query(a, b, &question, &mut PairMemory::default()).unwrap();
+            let mut frame = Frame::at_step(step);
+            frame.poses = vec![("can", poses[0]), ("table", poses[1])];
+            frame.contacts = vec![PairContacts {
+                a: "can",
+                b: "table",
+                pose_a: poses[0],
+                pose_b: poses[1],
+                frame: None,
+                margin: Some(margin),
+                answer: &answer,
+            }];
             recorder.frame(&frame).unwrap();
         }
         recorder.finish().unwrap();
-        Replay::open(&path).err().map(|error| error.to_string())
+        let replay = Replay::open(&path).unwrap();
+        let report = replay.compare(replay.frames().iter());
+        (report.same, report.different.iter().map(|d| d.time).collect::<Vec<_>>())
     };
-    let refused = replayed([1.0, 0.9]).unwrap();
-    assert!(refused.contains("dent.mcap") && refused.contains("'can' changes"), "{refused}");
-    assert_eq!(replayed([1.0, 1.0]), None, "another one like it");
+    assert_eq!(compared(2), (4, vec![]));
+    assert_eq!(compared(1), (3, vec![0.5]));
+    assert_eq!(compared(3), (3, vec![1.0]));
 }
 
 /// A pair; one of its poses is recorded a bit off.
@@ -176,7 +230,7 @@ fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
             primitive: None,
             kind: Some(BodyKind::Dynamic),
         };
-        recorder.bodies(&[body("a"), body("b")]).unwrap();
+        recorder.bodies(0, &[body("a"), body("b")]).unwrap();
         let mut frame = Frame::at_step(0);
         frame.poses = vec![("a", Pose::IDENTITY), ("b", at(recorded))];
         frame.contacts = vec![PairContacts {

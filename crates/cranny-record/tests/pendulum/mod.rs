@@ -91,7 +91,7 @@ impl Pendulum {
                 kind: None,
             })
             .collect();
-        recorder.bodies(&bodies)
+        recorder.bodies(0, &bodies)
     }
 
     /// Makes a step and records it.

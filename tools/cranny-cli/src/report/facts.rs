@@ -47,8 +47,9 @@ impl Facts {
         let stats = recording.stats()?.into_iter().map(|(at, found)| (seconds(at), found));
         let is_warning = |level: &LogLevel| *level >= LogLevel::Warning;
         let log = recording.log()?.into_iter().filter(|(_, (level, _))| is_warning(level));
-        let bodies = recording.bodies()?;
-        let moving = bodies.iter().filter(|body| body.kind.as_deref() != Some("fixed")).count();
+        let bodies = recording.bodies()?.into_iter().map(|body| (body.name, body.kind));
+        let bodies: BTreeMap<String, Option<String>> = bodies.collect();
+        let moving = bodies.values().filter(|kind| kind.as_deref() != Some("fixed")).count();
         Ok(Self {
             metadata: recording.metadata(topic::METADATA).cloned().unwrap_or_default(),
             stats: stats.collect(),

@@ -43,6 +43,7 @@ impl<'a> Artist<'a> {
             .into_iter()
             .map(|i| {
                 let moment = self.replay.moment(&frames[i]);
+                self.replay.dress(&mut painter, &frames[i]).map_err(crate::run::failure)?;
                 let image = painter.draw(&mut self.renderer, &moment, view, STRIP_SIZE);
                 let png = image.map_err(crate::run::failure)?.encode_png().map_err(Failure::run)?;
                 Ok(Picture { png, caption: format!("{:.3} s", frames[i].time) })
