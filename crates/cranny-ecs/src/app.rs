@@ -395,7 +395,7 @@ fn add_recording(
     let Some(path) = &options.record else { return Ok(plugins) };
     crate::outputs::probe_file(path)?;
     let attachments = options.source.iter().map(|text| RecordedAttachment {
-        name: "scene.ron".to_owned(),
+        name: topic::SCENE.to_owned(),
         media_type: "text/plain".to_owned(),
         data: text.clone().into_bytes(),
     });

@@ -89,7 +89,7 @@ pub struct ReplayFrame {
     /// What was found about pairs.
     pub pairs: Vec<PairMessage>,
     /// Log time, nanoseconds.
-    at: u64,
+    pub at: u64,
 }
 
 /// What a comparison found.

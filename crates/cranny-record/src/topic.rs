@@ -49,6 +49,9 @@ pub const NUMBER_KEY: &str = "number";
 /// Key of a body's metadata: `true` for a sensor; absent for other bodies.
 pub const SENSOR_KEY: &str = "sensor";
 
+/// Name of the attachment that holds the scene's text.
+pub const SCENE: &str = "scene.ron";
+
 /// Name of the attachment that holds a model which differs from what is drawn.
 #[must_use]
 pub fn model(digest: &str) -> String {

@@ -1,5 +1,7 @@
 //! `cranny replay`: computes a recording anew, compares, and draws any moment of it.
 
+mod simulated;
+
 use std::path::Path;
 
 use cranny_ecs::{
@@ -15,8 +17,9 @@ use crate::output::Output;
 use crate::paths::{check_output, check_recording};
 use crate::rerun;
 use crate::words::counted;
+use simulated::SimulatedAgain;
 
-/// Pairs that differ and that the text lists.
+/// Pairs, and bodies, that differ and that the text lists.
 const DIFFERENCES_TOLD: usize = 8;
 
 /// Width and height of pictures other than pages.
@@ -40,27 +43,59 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
             "--camera {name}: nothing is drawn. Add --render, or leave it out."
         )));
     }
+    if !args.set.settings.is_empty() && args.scene.is_none() {
+        return Err(Failure::input(
+            "--set: nothing is simulated. Add --scene, or leave it out.".to_owned(),
+        ));
+    }
     let replay = Replay::open(&args.recording).map_err(failure)?;
     let frames = chosen(&replay, args)?;
     let report = replay.compare(frames.iter().copied());
+    let simulated = match &args.scene {
+        Some(scene) => Some(simulated::simulate(&replay, &frames, scene, &args.set)?),
+        None => None,
+    };
     if let Some(path) = &args.render {
         draw(&replay, &frames, args, path)?;
     }
+    let found = Found { report, simulated };
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {
-        Format::Json => output.json(&as_json(&replay, &report, args)),
-        Format::Text => output.line(&as_text(&replay, &report, args)),
+        Format::Json => output.json(&as_json(&replay, &found, args)),
+        Format::Text => output.line(&as_text(&replay, &found, args)),
     }?;
-    match report.different.len() {
-        0 if report.same > 0 || args.render.is_some() => Ok(()),
-        0 => Err(Failure::run(NothingCompared::of(&replay, &report))),
-        n => Err(Failure::run(Differs(n))),
+    match found.different() {
+        [0, 0] if found.is_compared() || args.render.is_some() => Ok(()),
+        [0, 0] => Err(Failure::run(NothingCompared::of(&replay, &found.report))),
+        [pairs, poses] => Err(Failure::run(Differs { pairs, poses })),
+    }
+}
+
+/// What was compared.
+struct Found {
+    report: ReplayReport,
+    /// Of the scene, where it was simulated again.
+    simulated: Option<SimulatedAgain>,
+}
+
+impl Found {
+    /// Pairs and poses that differ.
+    fn different(&self) -> [u64; 2] {
+        let poses = self.simulated.as_ref().map_or(0, |simulated| simulated.different);
+        [self.report.different.len() as u64, poses]
+    }
+
+    fn is_compared(&self) -> bool {
+        self.report.same > 0 || self.simulated.as_ref().is_some_and(|again| again.same > 0)
     }
 }
 
 #[derive(Debug, thiserror::Error)]
-#[error("{0} pairs differ from what was recorded")]
-struct Differs(usize);
+#[error("{pairs} pairs and {poses} poses differ from what was recorded")]
+struct Differs {
+    pairs: u64,
+    poses: u64,
+}
 
 /// Why a replay verifies nothing.
 #[derive(Debug, thiserror::Error)]
@@ -70,7 +105,7 @@ enum NothingCompared {
     )]
     Unknown,
     #[error(
-        "nothing was compared, so nothing is verified: the recording holds no pairs. A scene records those that Contacts(margin: …) asks for, where they come as near"
+        "nothing was compared, so nothing is verified: the recording holds no pairs. A scene records those that Contacts(margin: …) asks for, where they come as near; --scene SCENE.ron simulates it again and compares poses"
     )]
     NoPairs,
     #[error(
@@ -190,7 +225,8 @@ fn milliseconds(frames: &[&ReplayFrame]) -> u16 {
     (1e3 * (last.time - first.time) / gaps).round().clamp(1.0, f64::from(u16::MAX)) as u16
 }
 
-fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String {
+fn as_text(replay: &Replay, found: &Found, args: &ReplayArgs) -> String {
+    let Found { report, simulated } = found;
     let whole = replay.recording().is_complete();
     let last = replay.frames().last().map_or(0.0, |frame| frame.time);
     let mut lines = vec![
@@ -247,6 +283,18 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
         lines.push(format!("           recorded {}", pair.recorded));
         lines.push(format!("           computed {}", pair.computed));
     }
+    if let Some(simulated) = simulated {
+        lines.push(format!(
+            "simulated  {} again: {} the same to the bit, {} different",
+            counted(report.frames, "frame"),
+            counted(simulated.same, "pose"),
+            simulated.different
+        ));
+        for first in simulated.first.iter().take(DIFFERENCES_TOLD) {
+            let simulated::Differing { time, body, how } = first;
+            lines.push(format!("differs    {body} {how}, from {time:.6} s on"));
+        }
+    }
     if let Some(path) = &args.render {
         lines.push(format!("written    {}", path.display()));
     }
@@ -261,7 +309,8 @@ fn levels(replay: &Replay) -> Option<(&str, Option<&str>)> {
     (accuracy != "exact" || budget.is_some()).then_some((accuracy, budget))
 }
 
-fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_json::Value {
+fn as_json(replay: &Replay, found: &Found, args: &ReplayArgs) -> serde_json::Value {
+    let Found { report, simulated } = found;
     let different: Vec<_> = report
         .different
         .iter()
@@ -275,11 +324,20 @@ fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_j
         "interrupted": replay.recording().was_interrupted(),
         "held_frames": replay.frames().len(),
         "frames": report.frames,
-        "verified": report.same > 0 && report.different.is_empty(),
+        "verified": found.is_compared() && found.different() == [0, 0],
         "same": report.same,
         "different": different,
         "unknown": report.unknown,
+        "simulated": simulated.as_ref().map(simulated_json),
         "accuracy": levels(replay).map_or("exact", |(accuracy, _)| accuracy),
         "budget": levels(replay).and_then(|(_, budget)| budget),
     })
+}
+
+fn simulated_json(simulated: &SimulatedAgain) -> serde_json::Value {
+    let first = simulated.first.iter();
+    let first: Vec<_> = first
+        .map(|first| json!({"time": first.time, "body": first.body, "how": first.how}))
+        .collect();
+    json!({"same": simulated.same, "different": simulated.different, "first": first})
 }

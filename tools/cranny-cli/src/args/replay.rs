@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::scene::PictureArgs;
+use super::scene::{PictureArgs, SetArgs};
 
 /// Arguments of `cranny replay`.
 #[derive(Debug, Args)]
@@ -30,6 +30,13 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = every, allow_hyphen_values = true)]
     pub(crate) every: u32,
 
+    /// Simulate the scene again, as far as these frames go, and compare poses and shapes
+    #[arg(long, value_name = "SCENE.ron")]
+    pub(crate) scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) set: SetArgs,
+
     /// Draw the frame, or an animation of several
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
@@ -40,13 +47,13 @@ pub(crate) struct ReplayArgs {
 
     /// Write all of it for Rerun's viewer, in place of computing it anew (a build with
     /// --features rerun)
-    #[arg(long, value_name = "OUT.rrd", conflicts_with_all = ["at", "from", "to", "every", "render"])]
+    #[arg(long, value_name = "OUT.rrd", conflicts_with_all = ["at", "from", "to", "every", "scene", "render"])]
     pub(crate) rerun: Option<PathBuf>,
 
     /// Send all of it to a viewer of Rerun's that runs, in place of computing it anew; without URL,
     /// to the one on this machine (a build with --features rerun)
     #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = VIEWER,
-          conflicts_with_all = ["at", "from", "to", "every", "render"])]
+          conflicts_with_all = ["at", "from", "to", "every", "scene", "render"])]
     pub(crate) rerun_connect: Option<String>,
 
     #[command(flatten)]
@@ -94,13 +101,18 @@ Every pair of every frame is computed anew from the poses that its answer came f
 verdicts, containment, and regions with depth, area, points and curves. A pair that differs is named, and the
 exit code is 1. Contacts for a solver depend on earlier steps and are not compared.
 
-Where no frame holds a pair to compare, as without Contacts in the scene, nothing is verified: the exit code is
-1 as well, but for --render.
+With --scene, the scene is simulated again too, with the recorded step, seed, detector and budget, and each pose
+and shape is compared to the bit: what a solver made of the contacts as well. It needs no contacts. A run with
+--set is simulated again with the same --set.
+
+Where nothing is compared, as without --scene and without Contacts in the scene, nothing is verified: the exit
+code is 1 as well, but for --render.
 
 A recording that was cut off is read as far as it is whole. For Rerun it must be whole: see cranny recover.
 
 Examples:
   cranny replay run.mcap
+  cranny replay run.mcap --scene assets/scenes/ring_of_tori.ron
   cranny replay run.mcap --at 0.35 --render moment.png
   cranny replay run.mcap --from 1 --to 2 --every 3 --render second.png --view section --size 640x480
   cranny replay run.mcap --rerun run.rrd";

@@ -89,6 +89,57 @@ fn a_replay_that_compared_nothing_has_verified_nothing() {
     assert!(early.stderr.contains("the frames that were chosen hold no pairs"), "{early:?}");
 }
 
+/// Nothing but the solver: no pair is recorded, and every pose is one of a run of the same scene.
+#[test]
+fn a_scene_simulated_again_comes_out_the_same_to_the_bit() {
+    let folder = Folder::new();
+    let path = argument(&folder.path("bare.mcap"));
+    let scene = folder.write("bare.ron", DROP.replace(", Contacts(margin: 0.01)", ""));
+    assert_eq!(run(&["run", &scene, "--record", &path, "--seed", "7"]).code, Some(0));
+    let outcome = run(&["replay", &path, "--scene", &scene]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let says = "65 frames again: 130 poses the same to the bit, 0 different";
+    assert!(outcome.stdout.contains(says), "{outcome:?}");
+    let some = ["--from", "0.25", "--to", "0.5", "--every", "4", "--format", "json"];
+    let line = run(&[&["replay", &path, "--scene", &scene][..], &some].concat()).json_lines();
+    assert_eq!((&line[0]["verified"], &line[0]["simulated"]["same"]), (&true.into(), &10.into()));
+    // Cut off in the middle: as far as it is whole.
+    let bytes = std::fs::read(&path).unwrap();
+    let cut = folder.write("cut.mcap.partial", &bytes[..bytes.len() * 3 / 4]);
+    let outcome = run(&["replay", &cut, "--scene", &scene]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+
+    let other = folder.write("other.ron", DROP);
+    let refused = run(&["replay", &path, "--scene", &other]);
+    refused.assert_refused(2, &["other.ron", "not the one that was recorded", "scene.ron"]);
+    let unused = run(&["replay", &path, "--set", "gravity.z=-5"]);
+    unused.assert_refused(2, &["--set", "Add --scene"]);
+}
+
+#[test]
+fn another_floor_or_another_setting_is_noticed_where_it_is_simulated_again() {
+    let folder = Folder::new();
+    let floor = |size| cranny_shapes::Cuboid { size: [4.0, 4.0, size] }.build().unwrap();
+    folder.mesh("floor.obj", &floor(1.0));
+    let path = argument(&folder.path("drop.mcap"));
+    let text = DROP.replace("Generator(Cuboid(size: (4, 4, 1)))", "Mesh(path: \"floor.obj\")");
+    let scene = folder.write("drop.ron", text);
+    let set = ["--set", "gravity.z=-5"];
+    let record = ["run", &scene, "--record", &path];
+    assert_eq!(run(&[&record[..], &set].concat()).code, Some(0));
+    let again = ["replay", &path, "--scene", &scene];
+    run(&again).assert_refused(2, &["drop.ron", "with the same --set"]);
+    let again = [&again[..], &set].concat();
+    assert_eq!(run(&again).code, Some(0));
+    folder.mesh("floor.obj", &floor(0.99));
+    let outcome = run(&again);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    for line in ["floor has another shape, from 0.000000 s on", "box is at "] {
+        assert!(outcome.stdout.contains(line), "{outcome:?}");
+    }
+    assert!(outcome.stderr.contains("0 pairs and "), "{outcome:?}");
+}
+
 #[test]
 fn any_moment_is_drawn_in_any_view() {
     let folder = Folder::new();
