@@ -14,6 +14,7 @@ use crate::answer::{Contact, Feature};
 use crate::borders::Borders;
 use crate::footprints::Footprints;
 use crate::intersection::Intersection;
+use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
 
@@ -56,6 +57,28 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
         });
         let borders = Side::BOTH.map(|side| Borders::of(side, intersection, cut));
         Self { pair, intersection, cut, triangles, borders }
+    }
+
+    /// What the curves enclose.
+    pub(crate) fn outline(&self) -> Outline {
+        Outline::of(self.intersection, &self.cut.segments)
+    }
+
+    /// How far the curves reach along a direction.
+    pub(crate) fn reach_of_curves(&self, normal: DVec3) -> f64 {
+        let nodes = self.cut.segments.iter().map(|&s| self.intersection.segments[s].nodes[0]);
+        let heights = nodes.map(|node| self.intersection.nodes[node].point.dot(normal));
+        let (low, high) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    }
+
+    /// A contact of depth 0 at the first point of the curves.
+    pub(crate) fn on_curve(&self, normal: DVec3) -> Contact {
+        let first = &self.intersection.segments[self.cut.segments[0]];
+        let node = &self.intersection.nodes[first.nodes[0]];
+        let (id, point_a, point_b) = (node.features, node.point, node.point);
+        Contact { id, point_a, point_b, normal, separation: 0.0 }
     }
 }
 

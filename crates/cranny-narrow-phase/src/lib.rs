@@ -92,6 +92,7 @@ mod motion;
 mod near;
 mod numbering;
 mod observe;
+mod outline;
 mod pair;
 mod penetration;
 mod per_model;
@@ -109,6 +110,7 @@ mod tally;
 mod touch;
 mod tracks;
 mod verify;
+mod way_out;
 mod wedge;
 
 pub use answer::{

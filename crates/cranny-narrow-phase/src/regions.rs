@@ -5,22 +5,18 @@ use std::collections::HashMap;
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
-use crate::answer::{Contact, Curve, Feature, Region, RegionId};
+use crate::answer::{Contact, Curve, Region, RegionId};
 use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
-use crate::penetration::{Outline, on_curve};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 use crate::touch::touch_regions;
-use cranny_geometry::triangle_distance::Prepared;
-
-/// Vertices of a curved region that are measured at most; more are sampled evenly.
-const MAX_SAMPLES: usize = 256;
+use crate::way_out::{nearest_ways_out, own_direction, shallower_direction};
 
 /// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
 /// their depths may be off.
@@ -143,15 +139,25 @@ fn closed_region(
     cut: &RegionPieces,
 ) -> Found {
     let region = MeasuredRegion::of(pair, intersection, cut);
-    let outline = Outline::of(intersection, &cut.segments);
-    let normal = outline.direction(pair, &region);
-    let (deepest, mut contacts) = if outline.is_flat() || outline.normal().is_none() {
-        let measured = depths_along(&region, normal);
-        (measured.deepest, measured.all)
-    } else {
-        (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
+    let outline = region.outline();
+    let is_flat = outline.is_flat() || outline.normal().is_none();
+    let measured = |normal: DVec3| {
+        let (deepest, contacts) = match is_flat {
+            true => {
+                let depths = depths_along(&region, normal);
+                (depths.deepest, depths.all)
+            }
+            false => {
+                (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
+            }
+        };
+        (deepest.unwrap_or_else(|| region.on_curve(normal)), contacts)
     };
-    let mut deepest = deepest.unwrap_or_else(|| on_curve(intersection, cut, normal));
+    let (mut deepest, mut contacts) = measured(own_direction(pair, &region));
+    if let Some(other) = shallower_direction(pair, &region, &deepest) {
+        (deepest, contacts) = measured(other);
+    }
+    let normal = deepest.normal;
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
@@ -174,71 +180,6 @@ fn closed_region(
         curves: curves(pair, intersection, chains, &cut.segments),
         faces,
     }
-}
-
-/// For each vertex inside the other body the nearest point of the other's piece: the way out.
-fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
-    let mut contacts = Vec::new();
-    for side in Side::BOTH {
-        let vertices = &region.cut.pieces[side.index()].vertices;
-        let other = side.other().index();
-        let faces = &region.cut.pieces[other].faces;
-        let triangles = &region.triangles[other];
-        let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
-        let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
-        // Neighbours have their ways out through neighbours: the last one bounds the next.
-        let mut last = 0;
-        for &v in vertices.iter().step_by(stride) {
-            let p = pair.position(side, v);
-            let mut nearest: Option<(FaceId, DVec3)> = None;
-            let (mut least, mut found) = (f64::INFINITY, last);
-            let mut reach = f64::INFINITY;
-            for i in std::iter::once(last).chain(0..faces.len()) {
-                let Some((center, radius, triangle)) = standing.get(i) else { break };
-                let touching = reach + radius;
-                if (*center - p).length_squared() > touching * touching {
-                    continue;
-                }
-                let Some(foot) = triangle.foot(p) else { continue };
-                let squared = (foot - p).length_squared();
-                let nearer = squared < least
-                    || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
-                if nearer {
-                    (nearest, least, found) = (Some((faces[i], foot)), squared, i);
-                    reach = squared.sqrt() + pair.length_error();
-                }
-            }
-            last = found;
-            let Some((face, q)) = nearest else { continue };
-            let outward = pair.normal(side.other(), face);
-            let depth = (q - p).length();
-            let (own, its) = (Feature::Vertex(v), Feature::Face(face));
-            contacts.push(match side {
-                Side::First => Contact {
-                    id: (own, its),
-                    point_a: p,
-                    point_b: q,
-                    normal: -outward,
-                    separation: -depth,
-                },
-                Side::Second => Contact {
-                    id: (its, own),
-                    point_a: q,
-                    point_b: p,
-                    normal: outward,
-                    separation: -depth,
-                },
-            });
-        }
-    }
-    contacts
-}
-
-/// A triangle with the ball around it.
-fn prepared(corners: &[DVec3; 3]) -> (DVec3, f64, Prepared) {
-    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-    let squared = corners.map(|p| (p - center).length_squared());
-    (center, squared[0].max(squared[1]).max(squared[2]).sqrt(), Prepared::of(corners))
 }
 
 /// Where a surface is open: connected curves, without depth or area.

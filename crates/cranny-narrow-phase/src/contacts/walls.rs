@@ -15,11 +15,12 @@ use cranny_geometry::EdgeId;
 use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Intersection, intersect};
+use crate::outline::Outline;
 use crate::pair::{Pair, Side};
-use crate::penetration::Outline;
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
+use crate::way_out::{parts_within, pushing_direction, way_out};
 
 /// Cosine of the angle (30 degrees) between the faces at an edge from which it is sharp. A smaller
 /// angle: regions of finely cut round bodies are measured in vain, whose vertices say how deep they
@@ -34,13 +35,6 @@ const FAR_DEEPER: f64 = 3.0;
 /// of a nut of few facets get contacts with mean normals, which brake it (10.3 turns in place of
 /// 10.9); larger: walls dig in so much.
 const DUG: f64 = 0.01;
-
-/// Cosine of how nearly opposite to each other two faces are that face each other, and of how
-/// nearly along the region's direction: those there are what has dug in.
-const OPPOSITE: f64 = 0.9;
-
-/// By what part of the depth sides that graze each other overlap at most.
-const HAIR: f64 = 0.05;
 
 /// Contacts along the directions of regions that are far deeper than the contacts that are known
 /// of them, in the pair's frame. Empty in special positions: faces that are flush have dug in
@@ -67,21 +61,28 @@ pub(super) fn contacts_of_walls(
         if !has_sharp_node(pair, &intersection, pieces) {
             continue;
         }
-        let of_region = known.iter().filter(|contact| is_of(contact, pieces));
-        let depth = of_region.map(|contact| -contact.separation).fold(0.0, f64::max);
+        let of_region = known.iter().filter(|contact| is_of(contact, pieces)).copied();
+        let of_region: Vec<Contact> = of_region.collect();
+        let depth = of_region.iter().map(|contact| -contact.separation).fold(0.0, f64::max);
         let shallow = least.max(FAR_DEEPER * depth);
         if width(pair, &intersection, pieces, normal) <= shallow {
             continue;
         }
         let region = MeasuredRegion::of(pair, &intersection, pieces);
-        let deepest = deepest_along(&region, normal, f64::INFINITY);
-        let Some(deepest) = deepest.filter(|c| -c.separation > shallow) else { continue };
-        if !sides_graze(pair, pieces, normal, -deepest.separation) {
-            let mut all = depths_along(&region, normal).all;
-            all.retain(|contact| contact.id != deepest.id);
-            all.push(deepest);
-            found.extend(reduce(all));
+        let is_deep = |contact: &Contact| -contact.separation > shallow;
+        let Some(own) = deepest_along(&region, normal, f64::INFINITY).filter(is_deep) else {
+            continue;
+        };
+        let (_, least_deep) = way_out(pair, &region);
+        if !is_deep(&least_deep) || parts_within(pair, &region, &own, shallow) {
+            continue;
         }
+        let out = pushing_direction(pair, &region, &own, (&of_region, shallow));
+        let Some(deepest) = deepest_along(&region, out, f64::INFINITY) else { continue };
+        let mut all = depths_along(&region, out).all;
+        all.retain(|contact| contact.id != deepest.id);
+        all.push(deepest);
+        found.extend(reduce(all));
     }
     found
 }
@@ -139,22 +140,4 @@ fn is_of(contact: &Contact, pieces: &RegionPieces) -> bool {
         }
     };
     holds(Side::First, contact.id.0) || holds(Side::Second, contact.id.1)
-}
-
-/// Whether faces of the two pieces face each other, not along a direction, and lie behind each
-/// other by less than a part of a depth: by a hair.
-fn sides_graze(pair: &Pair, pieces: &RegionPieces, normal: DVec3, depth: f64) -> bool {
-    let [first, second] = Side::BOTH.map(|side| {
-        let faces = pieces.pieces[side.index()].faces.iter();
-        let planes = faces.map(|&face| {
-            let [a, b, c] = pair.triangle(side, face);
-            (pair.normal(side, face), (a + b + c) / 3.0)
-        });
-        planes.filter(|(n, _)| n.dot(normal).abs() < OPPOSITE).collect::<Vec<_>>()
-    });
-    let grazes = |(n, p): &(DVec3, DVec3), (m, q): &(DVec3, DVec3)| {
-        let beyond = 0.5 * (*n - *m).dot(*p - *q);
-        n.dot(*m) < -OPPOSITE && beyond.abs() < HAIR * depth
-    };
-    first.iter().any(|f| second.iter().any(|g| grazes(f, g)))
 }

@@ -314,10 +314,10 @@ fn small_bodies_overlap_as_their_regions_say() {
     }
 }
 
-/// The piece of `mixed_pile` in the form of a U, cut into 448 faces.
-fn u_piece() -> Model {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/meshes/u.obj");
-    let text = std::fs::read_to_string(path).unwrap();
+/// A piece of `mixed_pile` in the form of a letter: a U of 448 faces, an L of 500.
+fn letter(name: &str) -> Model {
+    let meshes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/meshes");
+    let text = std::fs::read_to_string(format!("{meshes}/{name}.obj")).unwrap();
     let of = |kind: &'static str| {
         text.lines().filter_map(move |line| line.strip_prefix(kind)).map(str::split_whitespace)
     };
@@ -332,7 +332,7 @@ fn u_piece() -> Model {
 /// two went through each other.
 #[test]
 fn an_arm_that_digs_into_another_is_as_deep_as_it_has_dug() {
-    let u = u_piece();
+    let u = letter("u");
     let c = shape(CPrism { segments: 64, ..CPrism::default() });
     let rotation = DQuat::from_xyzw(-0.295401, -0.640055, 0.487699, 0.514993).normalize();
     let translation = DVec3::new(0.346218, -0.64487, -0.212073);
@@ -344,6 +344,62 @@ fn an_arm_that_digs_into_another_is_as_deep_as_it_has_dug() {
     assert!(found.depth() > 0.1, "{:?}", found.contacts);
     assert_eq!(found.depth(), regions.depth());
     assert_eq!(found.swapped().contacts, contacts(b, a, 0.0).contacts);
+}
+
+/// A leg of a U stands on the rim of a cup and has dug in. Some of its sides graze the cup's: these
+/// are not all that holds it. In a pile, without a contact here, the two jammed for good.
+#[test]
+fn a_leg_that_has_dug_into_a_rim_has_a_contact_that_says_so() {
+    let (cup, u) = (shape(Cup { segments: 64, ..Cup::default() }), letter("u"));
+    let a = Placed { model: &cup, pose: Pose::IDENTITY };
+    for (turn, translation) in [
+        (
+            [0.08153297580770874, -0.9129322039728762, 0.045378968056403554, 0.3973007853796699],
+            DVec3::new(0.5537906598879809, -0.1815841167436807, 0.9238089432800085),
+        ),
+        (
+            [0.06573160405230916, -0.9241106515491981, 0.04693285459863905, 0.37349185678037217],
+            DVec3::new(0.5323347100107056, -0.2007791462548808, 0.9099905784475705),
+        ),
+    ] {
+        let rotation = DQuat::from_array(turn).normalize();
+        let b = Placed { model: &u, pose: Pose { rotation, translation } };
+        let found = contacts(a, b, 0.0);
+        check(a, b, 0.0, &found);
+        assert!(ask(a, b, Demand::Regions { margin: 0.0 }).depth() > 0.07);
+        assert!(found.depth() > 0.07, "{:?}", found.contacts);
+        assert_eq!(found.swapped().contacts, contacts(b, a, 0.0).contacts);
+    }
+}
+
+/// An L lies flush on another, and its end digs into that one's side by a hair: one region, as deep
+/// along the flush sides as the other side is high. What parts it is far less.
+#[test]
+fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
+    let l = letter("l");
+    let rotation = DQuat::from_xyzw(
+        -0.5467912379747685,
+        0.44719535946374706,
+        -0.5471333633137405,
+        0.44908878331250346,
+    );
+    let translation = DVec3::new(0.19256339762440186, 0.564017530954042, -0.25814201325344766);
+    let a = Placed { model: &l, pose: Pose::IDENTITY };
+    let b = Placed { model: &l, pose: Pose { rotation: rotation.normalize(), translation } };
+    let answer = ask(a, b, Demand::Regions { margin: 0.0 });
+    let [region] = &answer.regions[..] else { panic!("{} regions", answer.regions.len()) };
+    let depth = region.depth.unwrap();
+    assert!((0.002..0.006).contains(&depth), "{depth}");
+    let moved = |by: f64| {
+        let translation = translation + by * region.normal;
+        let b = Placed { model: &l, pose: Pose { translation, ..b.pose } };
+        ask(a, b, Demand::Intersects).surface
+    };
+    assert_eq!(moved(1.25 * depth), Meeting::None);
+    assert_eq!(moved(0.3 * depth), Meeting::Cross);
+    // A contact as deep as the side is high would throw the two apart.
+    let found = contacts(a, b, 0.0);
+    assert!((0.001..0.006).contains(&found.depth()), "{:?}", found.contacts.first());
 }
 
 /// What overlaps the two sides of a notch by a hair has dug in nowhere, however high they are.

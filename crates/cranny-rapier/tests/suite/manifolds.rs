@@ -117,7 +117,7 @@ fn meshes_in_all_positions() {
     for (i, (first, a)) in bodies.iter().enumerate() {
         for (second, b) in &bodies[i..] {
             let shapes = [a, b].map(|m| MeshShape::new(m, 0).expect("parry takes it"));
-            for _ in 0..24 {
+            for _ in 0..32 {
                 let pose = random.pose(0.9);
                 let found = manifolds(&pose_to_rapier(&pose), &shapes[0], &shapes[1], 0.05);
                 check(&found, &pose_to_rapier(&pose), 0.05, 2.0);

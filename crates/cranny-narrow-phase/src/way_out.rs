@@ -1,0 +1,318 @@
+//! The way out of a region of overlap: a direction, and the least translation along it that parts
+//! the region.
+//!
+//! Mostly it is the direction of the area that the region's curves enclose. Where that leads along
+//! sides that overlap by a hair, or where two places of contact have grown together, the region is
+//! many times as deep along it as it takes to part it. So where the curves reach as far along that
+//! direction as the region is deep, and its vertices have far shorter ways out, others are measured
+//! as well: normals of the faces, and the least translation that leads all those vertices out. One
+//! of these counts only if its depth truly parts the pieces: rays along it may miss what lies
+//! across.
+
+use cranny_exact::{Aabb, DVec3, classify_triangles};
+
+use crate::answer::{Contact, Feature};
+use crate::depth::{MeasuredRegion, deepest_along};
+use crate::pair::{Pair, Side};
+use cranny_geometry::FaceId;
+use cranny_geometry::triangle_distance::Prepared;
+
+/// The cosine of how far from a direction a face may look that stops what comes along it: 60
+/// degrees.
+const LOOKS_ALONG: f64 = 0.5;
+
+/// Faces of a region whose normals are tried as its direction, at most, a side; of more, these are
+/// evenly spread. More: the least depth is found more often; fewer: regions of thousands of faces
+/// take less time.
+const MAX_DIRECTIONS: usize = 64;
+
+/// Cosine of the angle (3 degrees) between directions that are tried. A larger angle: sides that
+/// overlap by a hair look as deep as they are high times its sine; a smaller one: more are tried.
+const ALIKE: f64 = 0.9986;
+
+/// A region is looked at from other directions where its curves reach farther along its own than
+/// this part of its depth. Larger: regions that have grown together keep a depth of one along
+/// another; smaller: what lies in a plane is measured in vain.
+const REACHES: f64 = 0.5;
+
+/// Cosine of how nearly opposite to each other two faces are that graze each other, and of how
+/// nearly along the region's direction: those there are what has dug in.
+const OPPOSITE: f64 = 0.9;
+
+/// By what part of the depth sides that graze each other overlap at most.
+const HAIR: f64 = 0.05;
+
+/// How many times deeper a region is along its own direction than along another that takes its
+/// place. Smaller: normals jump from step to step; larger: depths are of no use.
+const FAR_DEEPER: f64 = 3.0;
+
+/// How much farther than a depth, in multiples of what rounding makes a length off, the pieces are
+/// moved to see whether it parts them. Smaller: features that touch then still meet; larger: what
+/// is a little deeper counts as parted.
+const BEYOND: f64 = 64.0;
+
+/// How many times a depth the pieces are moved to see whether it parts them. Smaller: a corner that
+/// no vertex's way out and no side stands for holds them by a hair; larger: what is deeper counts
+/// as parted.
+const SLACK: f64 = 1.25;
+
+/// Rounds in which the least translation is sought that leads all out. More: where many normals lie
+/// close to each other it is found better; fewer: it is found sooner.
+const ROUNDS: usize = 32;
+
+/// Vertices and faces of a piece that are measured at most; of more, these are evenly spread.
+const MAX_SAMPLES: usize = 256;
+
+/// The way out of a region: its direction, unit, and its deepest contact along it, in the pair's
+/// frame.
+pub(crate) fn way_out(pair: &Pair, region: &MeasuredRegion) -> (DVec3, Contact) {
+    let deepest = |normal: DVec3| {
+        let deepest = deepest_along(region, normal, f64::INFINITY);
+        (normal, deepest.unwrap_or_else(|| region.on_curve(normal)))
+    };
+    let (normal, own) = deepest(own_direction(pair, region));
+    shallower_direction(pair, region, &own).map_or((normal, own), deepest)
+}
+
+/// The direction of the area that the curves enclose; of the least depth where they enclose none.
+pub(crate) fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
+    region.outline().normal().unwrap_or_else(|| {
+        let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
+        let toward = centers.try_normalize().unwrap_or(DVec3::Z);
+        least_deep(pair, region, vec![toward], f64::INFINITY, |_, _| true).unwrap_or(toward)
+    })
+}
+
+/// Another direction, along which a region is far less deep than along the normal of its deepest
+/// contact `own`.
+pub(crate) fn shallower_direction(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    own: &Contact,
+) -> Option<DVec3> {
+    let enough = -own.separation / FAR_DEEPER;
+    if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
+        return None;
+    }
+    let mut ways = ways_of_vertices(pair, region, own);
+    if least_translation(&ways).length() >= enough {
+        return None;
+    }
+    ways.extend(grazing_sides(pair, region, own));
+    let together = least_translation(&ways).try_normalize();
+    let clear = BEYOND * pair.length_error();
+    let parts = |n: DVec3, depth| is_parted(region, (SLACK * depth + clear) * n);
+    least_deep(pair, region, together.into_iter().collect(), enough, parts)
+}
+
+/// The direction along which a region's pieces push each other out: another than that of `own`, its
+/// deepest contact along its own direction, where it is far less deep along that. It does not part
+/// bodies that reach on beyond their pieces, as walls do that stand across each other. `known` are
+/// contacts of the region with ways out of their own place; what looks no deeper than `shallow`
+/// along a direction is not seen from there.
+pub(crate) fn pushing_direction(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    own: &Contact,
+    (known, shallow): (&[Contact], f64),
+) -> DVec3 {
+    let known: Vec<_> = known.iter().map(|way| (way.normal, -way.separation)).collect();
+    let together = least_translation(&known).try_normalize();
+    let enough = -own.separation / FAR_DEEPER;
+    let other = least_deep(pair, region, together.into_iter().collect(), enough, |_, depth| {
+        depth > shallow
+    });
+    other.unwrap_or(own.normal)
+}
+
+/// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
+/// along some direction.
+pub(crate) fn parts_within(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    own: &Contact,
+    depth: f64,
+) -> bool {
+    let mut ways = ways_of_vertices(pair, region, own);
+    ways.extend(grazing_sides(pair, region, own));
+    let translation = least_translation(&ways);
+    translation.length() <= depth && is_parted(region, SLACK * translation)
+}
+
+/// A direction in which a vertex or a side gets out, and how far that is.
+type LocalWay = (DVec3, f64);
+
+fn ways_of_vertices(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
+    let clear = BEYOND * pair.length_error();
+    // A vertex whose nearest way leads past an edge of the piece gets a longer one.
+    let ways = nearest_ways_out(pair, region).into_iter();
+    let ways = ways.filter(|way| way.separation > own.separation);
+    ways.map(|way| (way.normal, clear - way.separation)).collect()
+}
+
+/// Normals of faces that face a face of the other piece and lie behind it by a hair, and by how
+/// much: they lead out of no vertex, and a region is as deep along them as they are high.
+fn grazing_sides<'r>(
+    pair: &'r Pair,
+    region: &'r MeasuredRegion,
+    own: &'r Contact,
+) -> impl Iterator<Item = LocalWay> + 'r {
+    let clear = BEYOND * pair.length_error();
+    let [first, second] = Side::BOTH.map(|side| {
+        let faces = region.cut.pieces[side.index()].faces.iter();
+        let faces = faces.zip(&region.triangles[side.index()]);
+        let planes = faces.map(|(&f, [a, b, c])| (pair.normal(side, f), (*a + *b + *c) / 3.0));
+        let mut planes: Vec<_> =
+            planes.filter(|(n, _)| n.dot(own.normal).abs() < OPPOSITE).collect();
+        let stride = planes.len().div_ceil(MAX_SAMPLES).max(1);
+        let mut at = 0..;
+        planes.retain(|_| at.next().is_some_and(|i: usize| i.is_multiple_of(stride)));
+        planes
+    });
+    first.into_iter().flat_map(move |(n, p)| {
+        let facing = second.iter().filter(move |(m, _)| n.dot(*m) < -OPPOSITE);
+        let behind = facing.map(move |(m, q)| (n, 0.5 * (n - *m).dot(p - *q)));
+        let hairs = behind.filter(|(_, depth)| depth.abs() < HAIR * -own.separation);
+        hairs.map(|(n, depth)| (n, clear + depth.max(0.0))).collect::<Vec<_>>()
+    })
+}
+
+/// Of given directions and the pieces' own face normals, the one along which the least translation
+/// parts the pieces, if that is less than `enough` and `counts`.
+fn least_deep(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    given: Vec<DVec3>,
+    enough: f64,
+    counts: impl Fn(DVec3, f64) -> bool,
+) -> Option<DVec3> {
+    let mut candidates = given;
+    for side in Side::BOTH {
+        let sign = if side == Side::First { 1.0 } else { -1.0 };
+        let mut faces = region.cut.pieces[side.index()].faces.clone();
+        faces.sort_unstable();
+        let stride = faces.len().div_ceil(MAX_DIRECTIONS).max(1);
+        for &f in faces.iter().step_by(stride) {
+            let n = sign * pair.normal(side, f);
+            if n != DVec3::ZERO && candidates.iter().all(|c| c.dot(n) < ALIKE) {
+                candidates.push(n);
+            }
+        }
+    }
+    // Rays do not measure a piece along a direction that none of its faces looks along.
+    if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
+        candidates.retain(|&n| face_each_other(pair, region, n));
+    }
+    let (mut least, mut best) = (enough, None);
+    for n in candidates {
+        let Some(deepest) = deepest_along(region, n, least) else { continue };
+        let depth = -deepest.separation;
+        if depth < least && counts(n, depth) {
+            (least, best) = (depth, Some(n));
+        }
+    }
+    best
+}
+
+/// Whether the faces of the two pieces do not meet where the second body is moved.
+fn is_parted(region: &MeasuredRegion, translation: DVec3) -> bool {
+    let moved = |triangle: &[DVec3; 3]| triangle.map(|p| p + translation);
+    let boxed = |triangle: [DVec3; 3]| (Aabb::of_points(triangle), triangle);
+    let [first, second] = &region.triangles;
+    let mut first: Vec<_> = first.iter().map(|&t| boxed(t)).collect();
+    first.sort_unstable_by(|(x, _), (y, _)| x.min.x.total_cmp(&y.min.x));
+    second.iter().map(|t| boxed(moved(t))).all(|(place, triangle)| {
+        let near = first.iter().take_while(|(other, _)| other.min.x <= place.max.x);
+        let mut near = near.filter(|(other, _)| other.overlaps(&place));
+        near.all(|(_, other)| !classify_triangles(other, &triangle).meets())
+    })
+}
+
+/// Whether some face of the first body's piece looks along `n`, and some of the second's against
+/// it, within 60 degrees.
+fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
+    Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
+        let faces = &region.cut.pieces[side.index()].faces;
+        faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
+    })
+}
+
+/// The least translation of the second body that leads it out along each unit normal by a depth, by
+/// Hildreth's method (1957): nearly, where normals lie close to each other.
+fn least_translation(ways: &[LocalWay]) -> DVec3 {
+    let mut pushes = vec![0.0; ways.len()];
+    let mut sum = DVec3::ZERO;
+    for _ in 0..ROUNDS {
+        for ((normal, depth), push) in ways.iter().zip(&mut pushes) {
+            let more = (depth - sum.dot(*normal)).max(-*push);
+            *push += more;
+            sum += more * *normal;
+        }
+    }
+    sum
+}
+
+/// For each vertex inside the other body the nearest point of the other's piece: the way out.
+pub(crate) fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for side in Side::BOTH {
+        let vertices = &region.cut.pieces[side.index()].vertices;
+        let other = side.other().index();
+        let faces = &region.cut.pieces[other].faces;
+        let triangles = &region.triangles[other];
+        let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
+        let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
+        // Neighbours have their ways out through neighbours: the last one bounds the next.
+        let mut last = 0;
+        for &v in vertices.iter().step_by(stride) {
+            let p = pair.position(side, v);
+            let mut nearest: Option<(FaceId, DVec3)> = None;
+            let (mut least, mut found) = (f64::INFINITY, last);
+            let mut reach = f64::INFINITY;
+            for i in std::iter::once(last).chain(0..faces.len()) {
+                let Some((center, radius, triangle)) = standing.get(i) else { break };
+                let touching = reach + radius;
+                if (*center - p).length_squared() > touching * touching {
+                    continue;
+                }
+                let Some(foot) = triangle.foot(p) else { continue };
+                let squared = (foot - p).length_squared();
+                let nearer = squared < least
+                    || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
+                if nearer {
+                    (nearest, least, found) = (Some((faces[i], foot)), squared, i);
+                    reach = squared.sqrt() + pair.length_error();
+                }
+            }
+            last = found;
+            let Some((face, q)) = nearest else { continue };
+            let outward = pair.normal(side.other(), face);
+            let depth = (q - p).length();
+            let (own, its) = (Feature::Vertex(v), Feature::Face(face));
+            contacts.push(match side {
+                Side::First => Contact {
+                    id: (own, its),
+                    point_a: p,
+                    point_b: q,
+                    normal: -outward,
+                    separation: -depth,
+                },
+                Side::Second => Contact {
+                    id: (its, own),
+                    point_a: q,
+                    point_b: p,
+                    normal: outward,
+                    separation: -depth,
+                },
+            });
+        }
+    }
+    contacts
+}
+
+/// A triangle with the ball around it.
+fn prepared(corners: &[DVec3; 3]) -> (DVec3, f64, Prepared) {
+    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let squared = corners.map(|p| (p - center).length_squared());
+    (center, squared[0].max(squared[1]).max(squared[2]).sqrt(), Prepared::of(corners))
+}
