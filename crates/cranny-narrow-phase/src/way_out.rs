@@ -150,31 +150,48 @@ fn ways_of_vertices(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<
     ways.map(|way| (way.normal, clear - way.separation)).collect()
 }
 
-/// Normals of faces that face a face of the other piece and lie behind it by a hair, and by how
-/// much: they lead out of no vertex, and a region is as deep along them as they are high.
-fn grazing_sides<'r>(
-    pair: &'r Pair,
-    region: &'r MeasuredRegion,
-    own: &'r Contact,
-) -> impl Iterator<Item = LocalWay> + 'r {
+/// Whether most faces that do not look along a region's direction graze one of the other piece.
+/// What overlaps there by a hair reaches as far as these sides do, and nothing has dug in so deep.
+pub(crate) fn mostly_grazes(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> bool {
+    let [first, second] = sides(pair, region, own);
+    let grazes = |of: &[Plane], others: &[Plane]| {
+        of.iter().filter(|face| others.iter().any(|its| hair(face, its, own).is_some())).count()
+    };
+    let grazing = grazes(&first, &second) + grazes(&second, &first);
+    2 * grazing > first.len() + second.len()
+}
+
+/// Normals of the first body's faces that graze a face of the other piece, and by how much they
+/// lie behind it: they lead out of no vertex, and a region is as deep along them as they are high.
+fn grazing_sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
     let clear = BEYOND * pair.length_error();
-    let [first, second] = Side::BOTH.map(|side| {
+    let [first, second] = sides(pair, region, own);
+    let pairs = first.iter().flat_map(|face| second.iter().map(move |its| (face, its)));
+    let hairs = pairs.filter_map(|(face, its)| Some((face.0, hair(face, its, own)?)));
+    hairs.map(|(normal, depth)| (normal, clear + depth.max(0.0))).collect()
+}
+
+/// A face's normal and its middle.
+type Plane = (DVec3, DVec3);
+
+/// Of each piece the faces that do not look along the normal of `own`, evenly spread.
+fn sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> [Vec<Plane>; 2] {
+    Side::BOTH.map(|side| {
         let faces = region.cut.pieces[side.index()].faces.iter();
         let faces = faces.zip(&region.triangles[side.index()]);
         let planes = faces.map(|(&f, [a, b, c])| (pair.normal(side, f), (*a + *b + *c) / 3.0));
-        let mut planes: Vec<_> =
+        let planes: Vec<Plane> =
             planes.filter(|(n, _)| n.dot(own.normal).abs() < OPPOSITE).collect();
         let stride = planes.len().div_ceil(MAX_SAMPLES).max(1);
-        let mut at = 0..;
-        planes.retain(|_| at.next().is_some_and(|i: usize| i.is_multiple_of(stride)));
-        planes
-    });
-    first.into_iter().flat_map(move |(n, p)| {
-        let facing = second.iter().filter(move |(m, _)| n.dot(*m) < -OPPOSITE);
-        let behind = facing.map(move |(m, q)| (n, 0.5 * (n - *m).dot(p - *q)));
-        let hairs = behind.filter(|(_, depth)| depth.abs() < HAIR * -own.separation);
-        hairs.map(|(n, depth)| (n, clear + depth.max(0.0))).collect::<Vec<_>>()
+        planes.into_iter().step_by(stride).collect()
     })
+}
+
+/// By how much two faces that face each other lie behind one another, where that is a hair beside
+/// the depth of `own`.
+fn hair((n, p): &Plane, (m, q): &Plane, own: &Contact) -> Option<f64> {
+    let behind = 0.5 * (*n - *m).dot(*p - *q);
+    (n.dot(*m) < -OPPOSITE && behind.abs() < HAIR * -own.separation).then_some(behind)
 }
 
 /// Of given directions and the pieces' own face normals, the one along which the least translation

@@ -20,7 +20,7 @@ use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
-use crate::way_out::{parts_within, pushing_direction, way_out};
+use crate::way_out::{mostly_grazes, parts_within, pushing_direction, way_out};
 
 /// Cosine of the angle (30 degrees) between the faces at an edge from which it is sharp. A smaller
 /// angle: regions of finely cut round bodies are measured in vain, whose vertices say how deep they
@@ -73,8 +73,10 @@ pub(super) fn contacts_of_walls(
         let Some(own) = deepest_along(&region, normal, f64::INFINITY).filter(is_deep) else {
             continue;
         };
-        let (_, least_deep) = way_out(pair, &region);
-        if !is_deep(&least_deep) || parts_within(pair, &region, &own, shallow) {
+        if mostly_grazes(pair, &region, &own)
+            || parts_within(pair, &region, &own, shallow)
+            || !is_deep(&way_out(pair, &region).1)
+        {
             continue;
         }
         let out = pushing_direction(pair, &region, &own, (&of_region, shallow));
