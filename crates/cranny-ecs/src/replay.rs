@@ -75,8 +75,8 @@ struct PreparedShape {
     since: u64,
     /// The model's digest, where it is one.
     digest: Option<String>,
-    /// `None` where the recording does not say what collides.
-    shape: Option<BodyShape>,
+    /// `None` where the recording does not say what collides; why, where it cannot be prepared.
+    shape: Result<Option<BodyShape>, String>,
 }
 
 /// A recorded moment.
@@ -155,8 +155,12 @@ impl Replay {
         }
         let replay = Self { recording, path, bodies, frames, prepared: Mutex::default() };
         // Models that are damaged are known at once; shapes that came later, when they are needed.
-        for name in replay.bodies.keys() {
-            replay.shape(name, replay.frames[0].at)?;
+        for body in replay.bodies.keys() {
+            replay.shape(body, replay.frames[0].at).map_err(|why| ReplayError::Model {
+                path: replay.path.clone(),
+                body: body.clone(),
+                why,
+            })?;
         }
         Ok(replay)
     }
@@ -221,10 +225,13 @@ impl Replay {
     /// The answer about a pair, in the frame and from the poses and shapes in which it was
     /// computed; `None` where the recording does not say what collides, or within what margin.
     fn compute(&self, pair: &PairMessage, at: u64) -> Option<Result<Answer, String>> {
-        let shapes = self.shape(&pair.a, at).and_then(|a| Ok((a, self.shape(&pair.b, at)?)));
-        let (a, b) = match shapes {
+        let shape = |name: &str| {
+            let of = |why| format!("the model of body '{name}' cannot be prepared anew: {why}");
+            self.shape(name, at).map_err(of)
+        };
+        let (a, b) = match shape(&pair.a).and_then(|a| Ok((a, shape(&pair.b)?))) {
             Ok((a, b)) => (a?, b?),
-            Err(error) => return Some(Err(error.to_string())),
+            Err(why) => return Some(Err(why)),
         };
         let margin = pair.margin?;
         let question = Query::of(Demand::Regions { margin });
@@ -253,55 +260,51 @@ impl Replay {
         Some(answer.map(near).map_err(|error| error.to_string()))
     }
 
-    /// What collides of a body at a log time; `None` where the recording does not say.
-    fn shape(&self, name: &str, at: u64) -> Result<Option<BodyShape>, ReplayError> {
+    /// What collides of a body at a log time; `None` where the recording does not say. Fails if it
+    /// cannot be prepared, and says why.
+    fn shape(&self, name: &str, at: u64) -> Result<Option<BodyShape>, String> {
         let Some(body) = self.bodies.get(name) else { return Ok(None) };
         let (since, drawn) = as_of(body, at);
         // What a panic leaves is as it was before or after a body's turn.
         let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = prepared.get(name).filter(|known| known.since == *since) {
-            return Ok(known.shape.clone());
+            return known.shape.clone();
         }
         let same = |known: &&PreparedShape| drawn.model.is_some() && known.digest == drawn.model;
         let shape = match prepared.values().find(same) {
             Some(known) => known.shape.clone(),
-            None => self.prepare(drawn)?,
+            None => self.prepare(drawn),
         };
         let (since, digest) = (*since, drawn.model.clone());
         prepared.insert(name.to_owned(), PreparedShape { since, digest, shape: shape.clone() });
-        Ok(shape)
+        shape
     }
 
     /// A primitive as it was written down, or the model: loaded where it is attached, else prepared
     /// of what is drawn.
-    fn prepare(&self, body: &DrawnBody) -> Result<Option<BodyShape>, ReplayError> {
-        let failed = |why: String| ReplayError::Model {
-            path: self.path.clone(),
-            body: body.name.clone(),
-            why,
-        };
+    fn prepare(&self, body: &DrawnBody) -> Result<Option<BodyShape>, String> {
         if let Some(text) = &body.primitive {
             let primitive: Result<Primitive, UnknownPrimitive> = text.parse();
-            return Ok(Some(primitive.map_err(|error| failed(error.to_string()))?.into()));
+            return Ok(Some(primitive.map_err(|error| error.to_string())?.into()));
         }
         let Some(digest) = &body.model else { return Ok(None) };
         let name = topic::model(digest);
         let mut attachments = self.recording.attachments().iter();
         let model = match attachments.find(|attached| attached.name == name) {
-            Some(attached) => Model::decode(&attached.data).map_err(|e| failed(e.to_string()))?,
+            Some(attached) => Model::decode(&attached.data).map_err(|e| e.to_string())?,
             None => {
                 let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
                 let mesh = Mesh::clone(&body.mesh);
-                Model::build(mesh, &options).map_err(|e| failed(e.to_string()))?.0
+                Model::build(mesh, &options).map_err(|e| e.to_string())?.0
             }
         };
         let found = model.digest_text();
         match found == *digest {
             true => Ok(Some(model.into())),
-            false => Err(failed(format!(
+            false => Err(format!(
                 "its digest is {found}, and was {digest} when it was recorded: another version of \
                  the program prepared it, or the file is damaged"
-            ))),
+            )),
         }
     }
 }

@@ -161,8 +161,9 @@ pub struct Region {
     pub faces: Vec<[FaceId; 2]>,
     /// The contact of least separation.
     pub deepest: Contact,
-    /// Unit, from A to B: direction of the area that the region's curves enclose, or of the deepest
-    /// contact where there are none. It describes the region; contacts have normals of their own.
+    /// Unit, from A to B: direction of the area that the region's curves enclose, or another where
+    /// that takes several times farther to part it; of the deepest contact where there are no
+    /// curves. It describes the region; contacts have normals of their own.
     pub normal: DVec3,
     /// The least translation along `normal` that parts the two surface pieces that the curves cut
     /// out: 0 where they only touch, `None` where the bodies are apart or a surface is open.

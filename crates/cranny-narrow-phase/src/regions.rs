@@ -154,7 +154,8 @@ fn closed_region(
         (deepest.unwrap_or_else(|| region.on_curve(normal)), contacts)
     };
     let (mut deepest, mut contacts) = measured(own_direction(pair, &region));
-    if let Some(other) = shallower_direction(pair, &region, &deepest) {
+    let ways = (!is_flat).then_some(&contacts[..]);
+    if let Some(other) = shallower_direction(pair, &region, &deepest, ways) {
         (deepest, contacts) = measured(other);
     }
     let normal = deepest.normal;

@@ -5,9 +5,10 @@
 //! sides that overlap by a hair, or where two places of contact have grown together, the region is
 //! many times as deep along it as it takes to part it. So where the curves reach as far along that
 //! direction as the region is deep, and its vertices have far shorter ways out, others are measured
-//! as well: normals of the faces, and the least translation that leads all those vertices out. One
-//! of these counts only if its depth truly parts the pieces: rays along it may miss what lies
-//! across.
+//! as well: normals of the faces, and the least translation that leads all those vertices out and
+//! all those sides apart. One of these counts only if the pieces part along it: rays may miss what
+//! lies across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do
+//! not, and the region keeps its own direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
@@ -51,10 +52,9 @@ const FAR_DEEPER: f64 = 3.0;
 /// is a little deeper counts as parted.
 const BEYOND: f64 = 64.0;
 
-/// How many times a depth the pieces are moved to see whether it parts them. Smaller: a corner that
-/// no vertex's way out and no side stands for holds them by a hair; larger: what is deeper counts
-/// as parted.
-const SLACK: f64 = 1.25;
+/// By how much farther than before the pieces are moved until they are parted, or have been moved
+/// too far. Smaller: more tries; larger: what is nearly too deep is not seen to part.
+const FARTHER: f64 = 1.25;
 
 /// Rounds in which the least translation is sought that leads all out. More: where many normals lie
 /// close to each other it is found better; fewer: it is found sooner.
@@ -71,7 +71,7 @@ pub(crate) fn way_out(pair: &Pair, region: &MeasuredRegion) -> (DVec3, Contact) 
         (normal, deepest.unwrap_or_else(|| region.on_curve(normal)))
     };
     let (normal, own) = deepest(own_direction(pair, region));
-    shallower_direction(pair, region, &own).map_or((normal, own), deepest)
+    shallower_direction(pair, region, &own, None).map_or((normal, own), deepest)
 }
 
 /// The direction of the area that the curves enclose; of the least depth where they enclose none.
@@ -84,24 +84,28 @@ pub(crate) fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
 }
 
 /// Another direction, along which a region is far less deep than along the normal of its deepest
-/// contact `own`.
+/// contact `own`. `ways` are its [`nearest_ways_out`], where they are known.
 pub(crate) fn shallower_direction(
     pair: &Pair,
     region: &MeasuredRegion,
     own: &Contact,
+    ways: Option<&[Contact]>,
 ) -> Option<DVec3> {
     let enough = -own.separation / FAR_DEEPER;
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
     }
-    let mut ways = ways_of_vertices(pair, region, own);
+    let mut ways = match ways {
+        Some(known) => local_ways(pair, own, known),
+        None => local_ways(pair, own, &nearest_ways_out(pair, region)),
+    };
     if least_translation(&ways).length() >= enough {
         return None;
     }
     ways.extend(grazing_sides(pair, region, own));
     let together = least_translation(&ways).try_normalize();
     let clear = BEYOND * pair.length_error();
-    let parts = |n: DVec3, depth| is_parted(region, (SLACK * depth + clear) * n);
+    let parts = |n: DVec3, depth| is_parted_within(region, n, (depth + clear, enough));
     least_deep(pair, region, together.into_iter().collect(), enough, parts)
 }
 
@@ -114,7 +118,8 @@ pub(crate) fn pushing_direction(
     pair: &Pair,
     region: &MeasuredRegion,
     own: &Contact,
-    (known, shallow): (&[Contact], f64),
+    known: &[Contact],
+    shallow: f64,
 ) -> DVec3 {
     let known: Vec<_> = known.iter().map(|way| (way.normal, -way.separation)).collect();
     let together = least_translation(&known).try_normalize();
@@ -126,27 +131,29 @@ pub(crate) fn pushing_direction(
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
-/// along some direction.
+/// along some direction, `ways` are its [`nearest_ways_out`].
 pub(crate) fn parts_within(
     pair: &Pair,
     region: &MeasuredRegion,
     own: &Contact,
+    ways: &[Contact],
     depth: f64,
 ) -> bool {
-    let mut ways = ways_of_vertices(pair, region, own);
+    let mut ways = local_ways(pair, own, ways);
     ways.extend(grazing_sides(pair, region, own));
     let translation = least_translation(&ways);
-    translation.length() <= depth && is_parted(region, SLACK * translation)
+    let far = translation.length();
+    translation.try_normalize().is_some_and(|n| is_parted_within(region, n, (far, depth)))
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
 type LocalWay = (DVec3, f64);
 
-fn ways_of_vertices(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
+/// What leads vertices out. One whose nearest way leads past an edge of the piece got a longer way,
+/// which is left out.
+fn local_ways(pair: &Pair, own: &Contact, ways: &[Contact]) -> Vec<LocalWay> {
     let clear = BEYOND * pair.length_error();
-    // A vertex whose nearest way leads past an edge of the piece gets a longer one.
-    let ways = nearest_ways_out(pair, region).into_iter();
-    let ways = ways.filter(|way| way.separation > own.separation);
+    let ways = ways.iter().filter(|way| way.separation > own.separation);
     ways.map(|way| (way.normal, clear - way.separation)).collect()
 }
 
@@ -166,20 +173,22 @@ pub(crate) fn mostly_grazes(pair: &Pair, region: &MeasuredRegion, own: &Contact)
 fn grazing_sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
     let clear = BEYOND * pair.length_error();
     let [first, second] = sides(pair, region, own);
-    let pairs = first.iter().flat_map(|face| second.iter().map(move |its| (face, its)));
-    let hairs = pairs.filter_map(|(face, its)| Some((face.0, hair(face, its, own)?)));
-    hairs.map(|(normal, depth)| (normal, clear + depth.max(0.0))).collect()
+    let deepest = |face: &Plane| {
+        let hairs = second.iter().filter_map(|its| hair(face, its, own));
+        Some((face.0, clear + hairs.reduce(f64::max)?))
+    };
+    first.iter().filter_map(deepest).collect()
 }
 
-/// A face's normal and its middle.
-type Plane = (DVec3, DVec3);
+/// A face's normal and its corners.
+type Plane = (DVec3, [DVec3; 3]);
 
 /// Of each piece the faces that do not look along the normal of `own`, evenly spread.
 fn sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> [Vec<Plane>; 2] {
     Side::BOTH.map(|side| {
         let faces = region.cut.pieces[side.index()].faces.iter();
         let faces = faces.zip(&region.triangles[side.index()]);
-        let planes = faces.map(|(&f, [a, b, c])| (pair.normal(side, f), (*a + *b + *c) / 3.0));
+        let planes = faces.map(|(&f, corners)| (pair.normal(side, f), *corners));
         let planes: Vec<Plane> =
             planes.filter(|(n, _)| n.dot(own.normal).abs() < OPPOSITE).collect();
         let stride = planes.len().div_ceil(MAX_SAMPLES).max(1);
@@ -187,11 +196,18 @@ fn sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> [Vec<Plane>; 2]
     })
 }
 
-/// By how much two faces that face each other lie behind one another, where that is a hair beside
-/// the depth of `own`.
-fn hair((n, p): &Plane, (m, q): &Plane, own: &Contact) -> Option<f64> {
-    let behind = 0.5 * (*n - *m).dot(*p - *q);
-    (n.dot(*m) < -OPPOSITE && behind.abs() < HAIR * -own.separation).then_some(behind)
+/// By how much two faces that face each other lie behind one another where that is most, where
+/// their middles do by a hair beside the depth of `own`; no more than that.
+fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
+    let most = HAIR * -own.separation;
+    let [p, q] = [ps, qs].map(|[a, b, c]| (*a + *b + *c) / 3.0);
+    if n.dot(*m) >= -OPPOSITE || (0.5 * (*n - *m).dot(p - q)).abs() >= most {
+        return None;
+    }
+    let behind = |n: &DVec3, p: DVec3, corners: &[DVec3; 3]| {
+        corners.iter().map(|corner| n.dot(p - *corner)).fold(0.0, f64::max)
+    };
+    Some(behind(n, p, qs).max(behind(m, q, ps)).min(most))
 }
 
 /// Of given directions and the pieces' own face normals, the one along which the least translation
@@ -231,18 +247,30 @@ fn least_deep(
     best
 }
 
-/// Whether the faces of the two pieces do not meet where the second body is moved.
-fn is_parted(region: &MeasuredRegion, translation: DVec3) -> bool {
-    let moved = |triangle: &[DVec3; 3]| triangle.map(|p| p + translation);
+/// Whether the faces of the two pieces do not meet where the second body is moved along `n`, by
+/// something between two lengths. A corner that no vertex's way out and no side stands for holds
+/// them beyond the least.
+fn is_parted_within(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> bool {
+    let axis = widest(region);
     let boxed = |triangle: [DVec3; 3]| (Aabb::of_points(triangle), triangle);
     let [first, second] = &region.triangles;
     let mut first: Vec<_> = first.iter().map(|&t| boxed(t)).collect();
-    first.sort_unstable_by(|(x, _), (y, _)| x.min.x.total_cmp(&y.min.x));
-    second.iter().map(|t| boxed(moved(t))).all(|(place, triangle)| {
-        let near = first.iter().take_while(|(other, _)| other.min.x <= place.max.x);
+    first.sort_unstable_by(|(x, _), (y, _)| x.min[axis].total_cmp(&y.min[axis]));
+    let meets = |translation: DVec3, triangle: &[DVec3; 3]| {
+        let (place, triangle) = boxed(triangle.map(|p| p + translation));
+        let near = first.iter().take_while(|(other, _)| other.min[axis] <= place.max[axis]);
         let mut near = near.filter(|(other, _)| other.overlaps(&place));
-        near.all(|(_, other)| !classify_triangles(other, &triangle).meets())
-    })
+        near.any(|(_, other)| classify_triangles(other, &triangle).meets())
+    };
+    let lengths = std::iter::successors(Some(least), |length| Some(FARTHER * length));
+    let mut lengths = lengths.take_while(|length| *length <= most);
+    lengths.any(|length| !second.iter().any(|triangle| meets(length * n, triangle)))
+}
+
+/// The axis along which the first body's piece is longest.
+fn widest(region: &MeasuredRegion) -> usize {
+    let size = Aabb::of_points(region.triangles[0].iter().flatten().copied()).half_extents();
+    (0..3).max_by(|&i, &j| size[i].total_cmp(&size[j])).unwrap_or(0)
 }
 
 /// Whether some face of the first body's piece looks along `n`, and some of the second's against

@@ -5,9 +5,9 @@
 //! is nearer to the far side of what it is stuck in, and the body is torn between ways. Wholly
 //! inside a solid it meets no surface at all. Then one direction holds for the whole body:
 //!
-//! - where surfaces meet, that of the region of contact ([`Penetration::normal`]), the direction of
-//!   the area that the curves enclose: it leads back where the body came in. Where a body overhangs
-//!   it is oblique, and not the shortest way;
+//! - where surfaces meet, that of the region of contact ([`Penetration::normal`]), mostly the
+//!   direction of the area that the curves enclose: it leads back where the body came in. Where a
+//!   body overhangs it is oblique, and not the shortest way;
 //! - wholly inside, that to the nearest point of the outer surface.
 //!
 //! Along it the body of the lesser volume, or the one inside, is led by three contacts that do not

@@ -373,7 +373,7 @@ fn budget(text: &str) -> Result<u64, String> {
 }
 
 /// Reads a level of accuracy.
-fn level(text: &str) -> Result<Accuracy, String> {
+pub(crate) fn level(text: &str) -> Result<Accuracy, String> {
     match text.split_once(':') {
         None => match text {
             "boxes" => Ok(Accuracy::Boxes),

@@ -65,9 +65,9 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
         Format::Text => output.line(&as_text(&replay, &found, args)),
     }?;
     match found.different() {
-        [0, 0] if found.is_compared() || args.render.is_some() => Ok(()),
-        [0, 0] => Err(Failure::run(NothingCompared::of(&replay, &found.report))),
-        [pairs, poses] => Err(Failure::run(Differs { pairs, poses })),
+        Some(differs) => Err(Failure::run(Differs { what: differs, damaged: is_damaged(&replay) })),
+        None if found.is_compared() || args.render.is_some() => Ok(()),
+        None => Err(Failure::run(NothingCompared::of(&replay, &found.report))),
     }
 }
 
@@ -79,10 +79,19 @@ struct Found {
 }
 
 impl Found {
-    /// Pairs and poses that differ.
-    fn different(&self) -> [u64; 2] {
-        let poses = self.simulated.as_ref().map_or(0, |simulated| simulated.different);
-        [self.report.different.len() as u64, poses]
+    /// What differs, in words; `None` where nothing does.
+    fn different(&self) -> Option<String> {
+        let pairs = self.report.different.len() as u64;
+        let again = self.simulated.as_ref();
+        let poses = again.map_or(0, |again| again.different);
+        let named = [
+            (pairs, counted(pairs, "pair")),
+            (poses, format!("{} or shapes", counted(poses, "pose"))),
+        ];
+        let named = named.into_iter().filter_map(|(count, words)| (count > 0).then_some(words));
+        let event = again.and_then(|again| again.other_event.as_ref()).map(|_| "events".to_owned());
+        let all: Vec<String> = named.chain(event).collect();
+        (!all.is_empty()).then(|| all.join(" and "))
     }
 
     fn is_compared(&self) -> bool {
@@ -90,11 +99,18 @@ impl Found {
     }
 }
 
+fn is_damaged(replay: &Replay) -> &'static str {
+    match replay.recording().damaged_chunks() {
+        0 => "",
+        _ => "; it is damaged, so shapes and frames are missing that it held",
+    }
+}
+
 #[derive(Debug, thiserror::Error)]
-#[error("{pairs} pairs and {poses} poses differ from what was recorded")]
+#[error("what was found is not what was recorded: {what}{damaged}")]
 struct Differs {
-    pairs: u64,
-    poses: u64,
+    what: String,
+    damaged: &'static str,
 }
 
 /// Why a replay verifies nothing.
@@ -105,7 +121,7 @@ enum NothingCompared {
     )]
     Unknown,
     #[error(
-        "nothing was compared, so nothing is verified: the recording holds no pairs. A scene records those that Contacts(margin: …) asks for, where they come as near; --scene SCENE.ron simulates it again and compares poses"
+        "nothing was compared, so nothing is verified: the recording holds no pairs. A scene records those that Contacts(margin: …) asks for, where they come as near; --scene SCENE.ron simulates it again and compares poses and shapes"
     )]
     NoPairs,
     #[error(
@@ -285,11 +301,15 @@ fn as_text(replay: &Replay, found: &Found, args: &ReplayArgs) -> String {
     }
     if let Some(simulated) = simulated {
         lines.push(format!(
-            "simulated  {} again: {} the same to the bit, {} different",
+            "simulated  {} again: {} of bodies the same to the bit, with their shapes, {} different; {} the same",
             counted(report.frames, "frame"),
             counted(simulated.same, "pose"),
-            simulated.different
+            simulated.different,
+            counted(simulated.events, "event"),
         ));
+        if let Some((time, event)) = &simulated.other_event {
+            lines.push(format!("differs    the first other event at {time:.6} s: {event}"));
+        }
         for first in simulated.first.iter().take(DIFFERENCES_TOLD) {
             let simulated::Differing { time, body, how } = first;
             lines.push(format!("differs    {body} {how}, from {time:.6} s on"));
@@ -324,7 +344,7 @@ fn as_json(replay: &Replay, found: &Found, args: &ReplayArgs) -> serde_json::Val
         "interrupted": replay.recording().was_interrupted(),
         "held_frames": replay.frames().len(),
         "frames": report.frames,
-        "verified": found.is_compared() && found.different() == [0, 0],
+        "verified": found.is_compared() && found.different().is_none(),
         "same": report.same,
         "different": different,
         "unknown": report.unknown,
@@ -339,5 +359,13 @@ fn simulated_json(simulated: &SimulatedAgain) -> serde_json::Value {
     let first: Vec<_> = first
         .map(|first| json!({"time": first.time, "body": first.body, "how": first.how}))
         .collect();
-    json!({"same": simulated.same, "different": simulated.different, "first": first})
+    let other = simulated.other_event.as_ref();
+    let other = other.map(|(time, event)| json!({"time": time, "event": event}));
+    json!({
+        "same": simulated.same,
+        "different": simulated.different,
+        "first": first,
+        "events": simulated.events,
+        "other_event": other,
+    })
 }

@@ -4,10 +4,12 @@
 //! the rim of a wall stands across the edge of another one, as an X, no vertex lies inside, and the
 //! edges overlap by more than the walls are thick. Two bodies of a pile went through each other
 //! there. So a region that sharp edges pierce is measured, and where it is far deeper than its
-//! contacts say, it has contacts along its own direction.
+//! contacts say, it has contacts: along its own direction, or another along which it is far less
+//! deep.
 //!
-//! A region whose sides graze each other is left out: what overlaps there by a hair reaches along
-//! the direction as far as the sides do, and nothing has dug in so deep.
+//! A region most of whose sides graze each other is left out, and one that parts by as little as
+//! its contacts say in some other direction: what overlaps there by a hair reaches as far as the
+//! sides do, and nothing has dug in so deep.
 
 use cranny_exact::DVec3;
 use cranny_geometry::EdgeId;
@@ -20,7 +22,9 @@ use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
-use crate::way_out::{mostly_grazes, parts_within, pushing_direction, way_out};
+use crate::way_out::{
+    mostly_grazes, nearest_ways_out, parts_within, pushing_direction, shallower_direction,
+};
 
 /// Cosine of the angle (30 degrees) between the faces at an edge from which it is sharp. A smaller
 /// angle: regions of finely cut round bodies are measured in vain, whose vertices say how deep they
@@ -36,8 +40,8 @@ const FAR_DEEPER: f64 = 3.0;
 /// 10.9); larger: walls dig in so much.
 const DUG: f64 = 0.01;
 
-/// Contacts along the directions of regions that are far deeper than the contacts that are known
-/// of them, in the pair's frame. Empty in special positions: faces that are flush have dug in
+/// Contacts of regions that are far deeper than the contacts that are known of them, in the pair's
+/// frame. Empty in special positions: faces that are flush have dug in
 /// nowhere.
 pub(super) fn contacts_of_walls(
     pair: &Pair,
@@ -73,13 +77,19 @@ pub(super) fn contacts_of_walls(
         let Some(own) = deepest_along(&region, normal, f64::INFINITY).filter(is_deep) else {
             continue;
         };
+        let ways = nearest_ways_out(pair, &region);
+        let parts_otherwise = || {
+            let other = shallower_direction(pair, &region, &own, Some(&ways));
+            let along = other.and_then(|other| deepest_along(&region, other, f64::INFINITY));
+            along.is_some_and(|contact| !is_deep(&contact))
+        };
         if mostly_grazes(pair, &region, &own)
-            || parts_within(pair, &region, &own, shallow)
-            || !is_deep(&way_out(pair, &region).1)
+            || parts_within(pair, &region, &own, &ways, shallow)
+            || parts_otherwise()
         {
             continue;
         }
-        let out = pushing_direction(pair, &region, &own, (&of_region, shallow));
+        let out = pushing_direction(pair, &region, &own, &of_region, shallow);
         let Some(deepest) = deepest_along(&region, out, f64::INFINITY) else { continue };
         let mut all = depths_along(&region, out).all;
         all.retain(|contact| contact.id != deepest.id);

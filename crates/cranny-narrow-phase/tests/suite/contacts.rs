@@ -373,33 +373,35 @@ fn a_leg_that_has_dug_into_a_rim_has_a_contact_that_says_so() {
 }
 
 /// An L lies flush on another, and its end digs into that one's side by a hair: one region, as deep
-/// along the flush sides as the other side is high. What parts it is far less.
+/// along the flush sides as the other side is high. What parts it is far less, wherever it slides
+/// to; a contact as deep as the side is high would throw the two apart.
 #[test]
 fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
     let l = letter("l");
-    let rotation = DQuat::from_xyzw(
-        -0.5467912379747685,
-        0.44719535946374706,
-        -0.5471333633137405,
-        0.44908878331250346,
-    );
-    let translation = DVec3::new(0.19256339762440186, 0.564017530954042, -0.25814201325344766);
+    let turn = [-0.5467912379747685, 0.44719535946374706, -0.5471333633137405, 0.44908878331250346];
+    let rotation = DQuat::from_array(turn).normalize();
+    let middle = DVec3::new(0.19256339762440186, 0.564017530954042, -0.25814201325344766);
     let a = Placed { model: &l, pose: Pose::IDENTITY };
-    let b = Placed { model: &l, pose: Pose { rotation: rotation.normalize(), translation } };
-    let answer = ask(a, b, Demand::Regions { margin: 0.0 });
-    let [region] = &answer.regions[..] else { panic!("{} regions", answer.regions.len()) };
-    let depth = region.depth.unwrap();
-    assert!((0.002..0.006).contains(&depth), "{depth}");
-    let moved = |by: f64| {
-        let translation = translation + by * region.normal;
-        let b = Placed { model: &l, pose: Pose { translation, ..b.pose } };
-        ask(a, b, Demand::Intersects).surface
-    };
-    assert_eq!(moved(1.25 * depth), Meeting::None);
-    assert_eq!(moved(0.3 * depth), Meeting::Cross);
-    // A contact as deep as the side is high would throw the two apart.
-    let found = contacts(a, b, 0.0);
-    assert!((0.001..0.006).contains(&found.depth()), "{:?}", found.contacts.first());
+    let at = |translation| Placed { model: &l, pose: Pose { rotation, translation } };
+    let mut tried = 0;
+    for step in -100..=100 {
+        let translation = middle + 2e-5 * f64::from(step) * DVec3::new(0.48, 0.88, 0.0);
+        let answer = ask(a, at(translation), Demand::Regions { margin: 0.0 });
+        let found = contacts(a, at(translation), 0.0);
+        for region in answer.regions.iter().filter(|region| region.depth > Some(0.002)) {
+            let depth = region.depth.unwrap();
+            assert!(depth < 0.012, "step {step}: {depth}");
+            let moved = |by: f64| {
+                let to = at(translation + by * region.normal);
+                ask(a, to, Demand::Intersects).surface
+            };
+            assert_eq!(moved(2.0 * depth), Meeting::None, "step {step}: {depth}");
+            assert_eq!(moved(0.3 * depth), Meeting::Cross, "step {step}: {depth}");
+            tried += 1;
+        }
+        assert!((5e-4..0.012).contains(&found.depth()), "step {step}: {:?}", found.contacts[0]);
+    }
+    assert!(tried > 150, "{tried}");
 }
 
 /// What overlaps the two sides of a notch by a hair has dug in nowhere, however high they are.

@@ -30,7 +30,7 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = every, allow_hyphen_values = true)]
     pub(crate) every: u32,
 
-    /// Simulate the scene again, as far as these frames go, and compare poses and shapes
+    /// Simulate the scene again, as far as these frames go, and compare poses, shapes and events
     #[arg(long, value_name = "SCENE.ron")]
     pub(crate) scene: Option<PathBuf>,
 
@@ -101,9 +101,9 @@ Every pair of every frame is computed anew from the poses that its answer came f
 verdicts, containment, and regions with depth, area, points and curves. A pair that differs is named, and the
 exit code is 1. Contacts for a solver depend on earlier steps and are not compared.
 
-With --scene, the scene is simulated again too, with the recorded step, seed, detector and budget, and each pose
-and shape is compared to the bit: what a solver made of the contacts as well. It needs no contacts. A run with
---set is simulated again with the same --set.
+With --scene, the scene is simulated again too, with the recorded step, seed, detector, levels and budget, and
+each pose, shape and event is compared to the bit: what a solver made of the contacts as well. It needs no
+contacts. A run with --set is simulated again with the same --set.
 
 Where nothing is compared, as without --scene and without Contacts in the scene, nothing is verified: the exit
 code is 1 as well, but for --render.

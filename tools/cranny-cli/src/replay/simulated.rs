@@ -1,22 +1,24 @@
 //! `cranny replay --scene`: the scene simulated again as far as the recording goes, and what came
-//! of each body compared to the bit.
+//! of it compared to the bit: poses, shapes and events.
 //!
 //! The second run records too, into a folder of its own, so that both are read in one way. What a
-//! run depends on comes from the recording: step, seed, detector and budget.
+//! run depends on comes from the recording: step, seed, detector, levels and budget.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use cranny_ecs::{
     ContactFields, PluginOptions, Replay, ReplayFrame, RunOptions, SceneApp, helices, rings,
 };
+use cranny_estimate::Accuracy;
 use cranny_exact::Pose;
 use cranny_rapier::Detector;
-use cranny_record::{DrawnBody, Recording, topic};
+use cranny_record::{DrawnBody, EventMessage, Recording, topic};
 use cranny_scene::LoadedScene;
+use cranny_world::description::SceneDescription;
 
-use crate::args::SetArgs;
+use crate::args::{SetArgs, level};
 use crate::failure::Failure;
 use crate::overlaps;
 use crate::progress::RunProgress;
@@ -25,10 +27,14 @@ use crate::scene_file::load;
 
 /// What another run made of the recorded frames.
 pub(super) struct SimulatedAgain {
-    /// Poses that came out the same, to the bit.
+    /// Bodies in frames whose pose and shape came out the same, to the bit.
     pub(super) same: u64,
-    /// Poses that did not.
+    /// Those that did not.
     pub(super) different: u64,
+    /// Events up to the last frame that are the same.
+    pub(super) events: u64,
+    /// The first event that is not, by its time, as words.
+    pub(super) other_event: Option<(f64, String)>,
     /// Of each body that differs, where it does first, by time.
     pub(super) first: Vec<Differing>,
 }
@@ -57,6 +63,7 @@ pub(super) fn simulate(
     let mut scene = load(path, &set.load_options(Some(settings.seed)))?;
     check_same(recorded, &scene, path)?;
     overlaps::prepare(&mut scene.description);
+    let accuracy = settings.level_instead(&scene.description, path)?;
     scene.description.record.every = 1;
     let folder = tempfile::tempdir()
         .map_err(|e| Failure::run(format!("no folder for the second recording: {e}")))?;
@@ -72,6 +79,7 @@ pub(super) fn simulate(
         },
         step: Some(settings.step),
         duration: Some((last / settings.step).round() * settings.step),
+        accuracy,
         budget: Some(settings.budget),
         record: Some(again.clone()),
         source: Some(scene.source_text.clone()),
@@ -89,7 +97,6 @@ pub(super) fn simulate(
     app.finish().map_err(failure)?;
     progress.clear();
     let again = Recording::open(&again).map_err(Failure::run)?;
-    settings.check_levels(&again, path)?;
     compared(recorded, &again, frames)
 }
 
@@ -127,19 +134,34 @@ impl RecordedSettings {
         })
     }
 
-    /// Levels that were given by a flag are not those of the scene.
-    fn check_levels(&self, again: &Recording, path: &Path) -> Result<(), Failure> {
-        let metadata = again.metadata(topic::METADATA);
-        let now = metadata.and_then(|all| all.get("accuracy")).map_or("exact", String::as_str);
-        match now == self.accuracy {
-            true => Ok(()),
-            false => Err(Failure::input(format!(
-                "--scene {}: it knows triggers and distances at {now}, the recording at {}. \
-                 A run with --accuracy is simulated again with --set accuracy=…",
-                path.display(),
-                self.accuracy
-            ))),
+    /// The level that a flag gave the run in place of those of its scene; `None` without one.
+    fn level_instead(
+        &self,
+        scene: &SceneDescription,
+        path: &Path,
+    ) -> Result<Option<Accuracy>, Failure> {
+        let words = |scene: &SceneDescription| {
+            let levels: Vec<String> = scene.levels().iter().map(Accuracy::to_string).collect();
+            levels.join(", ")
+        };
+        let own = words(scene);
+        if own == self.accuracy {
+            return Ok(None);
         }
+        let known = self.accuracy.split(", ").filter_map(|text| level(text).ok());
+        for level in known {
+            let mut at_level = scene.clone();
+            at_level.set_accuracy(level);
+            if words(&at_level) == self.accuracy {
+                return Ok(Some(level));
+            }
+        }
+        Err(Failure::input(format!(
+            "--scene {}: its triggers and distances are known at {own}, those of the recording at \
+             {}, and no --accuracy makes these of them.",
+            path.display(),
+            self.accuracy
+        )))
     }
 }
 
@@ -148,9 +170,12 @@ fn check_same(recording: &Recording, scene: &LoadedScene, path: &Path) -> Result
     let mut attached = recording.attachments().iter();
     match attached.find(|attached| attached.name == topic::SCENE) {
         Some(attached) if attached.data != scene.source_text.as_bytes() => {
+            let metadata = recording.metadata(topic::METADATA);
+            let name = metadata.and_then(|all| all.get("scene")).map_or("", String::as_str);
             Err(Failure::input(format!(
-                "--scene {}: its text is not the one that was recorded, which is attached to the \
-                 recording as {}. Name the scene as it was then, with the same --set.",
+                "--scene {}: its text is not the one that was recorded, of '{name}', which is \
+                 attached to the recording as {} ('cranny report' prints it). Name the scene as it \
+                 was then, with the same --set.",
                 path.display(),
                 topic::SCENE
             )))
@@ -186,24 +211,39 @@ fn compared(
     again: &Recording,
     frames: &[&ReplayFrame],
 ) -> Result<SimulatedAgain, Failure> {
+    let until = frames.last().map_or(0, |frame| frame.at);
+    let [were, are] = [events(recorded, until)?, events(again, until)?];
+    let same = were.iter().zip(&are).take_while(|(was, is)| was.1 == is.1).count();
+    let words = |(at, event): &(f64, EventMessage)| {
+        (*at, format!("{} of {} and {}", event.kind, event.a, event.b))
+    };
+    let other_event = were.get(same).or(are.get(same)).map(words);
+    let mut found = SimulatedAgain {
+        same: 0,
+        different: 0,
+        events: same as u64,
+        other_event,
+        first: Vec::new(),
+    };
     let (recorded, again) = (courses(recorded)?, courses(again)?);
     let none = Course::default();
-    let mut found = SimulatedAgain { same: 0, different: 0, first: Vec::new() };
-    for (body, was) in &recorded {
-        let is = again.get(body).unwrap_or(&none);
+    let bodies: BTreeSet<&String> = recorded.keys().chain(again.keys()).collect();
+    for body in bodies {
+        let [was, is] = [&recorded, &again].map(|all| all.get(body).unwrap_or(&none));
         let mut shapes = Shapes { was, is, latest: None };
         let mut first = None;
         for ReplayFrame { time, at, .. } in frames {
-            let Some(pose) = was.poses.get(at) else { continue };
-            let how = match is.poses.get(at) {
-                None => "is not there".to_owned(),
-                Some(_) if !shapes.are_same(*at) => "has another shape".to_owned(),
-                Some(now) if now.bits() == pose.bits() => {
+            let how = match (was.poses.get(at), is.poses.get(at)) {
+                (None, None) => continue,
+                (Some(_), None) => "is not there".to_owned(),
+                (None, Some(_)) => "was not there".to_owned(),
+                (Some(_), Some(_)) if !shapes.are_same(*at) => "has another shape".to_owned(),
+                (Some(before), Some(now)) if now.bits() == before.bits() => {
                     found.same += 1;
                     continue;
                 }
-                Some(now) => {
-                    let off = (now.translation - pose.translation).length();
+                (Some(before), Some(now)) => {
+                    let off = (now.translation - before.translation).length();
                     format!("is at {}, {off:e} from where it was", now.translation)
                 }
             };
@@ -214,6 +254,17 @@ fn compared(
     }
     found.first.sort_by(|a, b| a.time.total_cmp(&b.time));
     Ok(found)
+}
+
+/// Events up to a log time, with the time of the frame that holds them. Frames may be farther apart
+/// in one recording than in another; the order of events is the same.
+fn events(recording: &Recording, until: u64) -> Result<Vec<(f64, EventMessage)>, Failure> {
+    let frames = recording.events().map_err(Failure::input)?.into_iter();
+    let frames = frames.filter(|(at, _)| *at <= until);
+    let events = frames.flat_map(|(at, found)| {
+        found.events.into_iter().map(move |event| (at as f64 / 1e9, event))
+    });
+    Ok(events.collect())
 }
 
 /// The shapes of a body in both recordings. Those of the latest moment are compared once.

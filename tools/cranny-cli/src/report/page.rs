@@ -170,13 +170,17 @@ impl RunPage<'_> {
 
     fn again(&self) -> String {
         let recording = escaped(&self.recording);
-        let mut out = format!(
-            "<h2>How to do it again</h2><p>The recording holds all poses to the bit; this computes every pair of it anew and compares:</p><pre>cranny replay {recording}</pre>"
-        );
+        let mut out = "<h2>How to do it again</h2>".to_owned();
+        if self.facts.reports_contacts() {
+            let _ = write!(
+                out,
+                "<p>The recording holds all poses to the bit; this computes every pair of it anew and compares:</p><pre>cranny replay {recording}</pre>"
+            );
+        }
         if let Some(scene) = &self.facts.scene {
             let _ = write!(
                 out,
-                "<p>To run it anew, save the scene below as <code>scene.ron</code>, beside the meshes that it names:</p><pre>cranny run scene.ron --record again.mcap</pre><details><summary>scene.ron</summary><pre>{}</pre></details>",
+                "<p>To simulate it again as it was, with its step, seed and detector, and to compare every pose, save the scene below as <code>scene.ron</code>, beside the meshes that it names:</p><pre>cranny replay {recording} --scene scene.ron</pre><details><summary>scene.ron</summary><pre>{}</pre></details>",
                 escaped(scene)
             );
         }

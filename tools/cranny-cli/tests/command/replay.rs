@@ -98,7 +98,8 @@ fn a_scene_simulated_again_comes_out_the_same_to_the_bit() {
     assert_eq!(run(&["run", &scene, "--record", &path, "--seed", "7"]).code, Some(0));
     let outcome = run(&["replay", &path, "--scene", &scene]);
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    let says = "65 frames again: 130 poses the same to the bit, 0 different";
+    let says =
+        "65 frames again: 130 poses of bodies the same to the bit, with their shapes, 0 different";
     assert!(outcome.stdout.contains(says), "{outcome:?}");
     let some = ["--from", "0.25", "--to", "0.5", "--every", "4", "--format", "json"];
     let line = run(&[&["replay", &path, "--scene", &scene][..], &some].concat()).json_lines();
@@ -137,7 +138,24 @@ fn another_floor_or_another_setting_is_noticed_where_it_is_simulated_again() {
     for line in ["floor has another shape, from 0.000000 s on", "box is at "] {
         assert!(outcome.stdout.contains(line), "{outcome:?}");
     }
-    assert!(outcome.stderr.contains("0 pairs and "), "{outcome:?}");
+    assert!(outcome.stderr.contains(" poses or shapes"), "{outcome:?}");
+}
+
+/// A level from the command line, and events at it.
+#[test]
+fn a_run_at_another_level_is_simulated_again_at_that() {
+    let folder = Folder::new();
+    let gate = DROP.replace("Response(), Contacts(margin: 0.01)", "Trigger()").replace(
+        "velocity: (angular: (0.3, 0.2, 0.5))",
+        "kind: Kinematic, velocity: (linear: (0, 0, -0.5))",
+    );
+    let (scene, path) = (folder.write("gate.ron", gate), argument(&folder.path("gate.mcap")));
+    let record = ["run", &scene, "--record", &path, "--accuracy", "boxes"];
+    assert_eq!(run(&record).code, Some(0));
+    let outcome = run(&["replay", &path, "--scene", &scene, "--format", "json"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let simulated = &outcome.json_lines()[0]["simulated"];
+    assert_eq!((&simulated["events"], &simulated["other_event"]), (&1.into(), &().into()));
 }
 
 #[test]
