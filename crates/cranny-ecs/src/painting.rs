@@ -24,7 +24,7 @@ use cranny_render::{
     Camera, DrawList, Ground, Image, ImageSize, Instance, RenderError, Renderer, Shading, Style,
 };
 use cranny_world::BodyId;
-use cranny_world::description::{BodyDescription, Effect, SceneDescription};
+use cranny_world::description::{Effect, SceneDescription};
 
 pub use self::cameras::{CAMERA_PRESETS, DEFAULT_CAMERA, NamedCamera};
 use self::coats::Coats;
@@ -194,10 +194,11 @@ impl ScenePainter {
     }
 
     /// Takes in another geometry of a body, as a scene describes it.
+    #[cfg(feature = "record")]
     pub(crate) fn put_described(
         &mut self,
         id: BodyId,
-        body: &BodyDescription,
+        body: &cranny_world::description::BodyDescription,
     ) -> Result<(), SceneAppError> {
         self.coats.put_described(id, body).map(drop)
     }
@@ -265,7 +266,7 @@ impl ScenePainter {
     /// Notes where bodies were, for pictures of their [motion](ScenePainterView::Motion) and of the
     /// [heat](ScenePainterView::Heat) of what follows: moments in the order of time.
     pub fn follow(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
-        self.trails.note(time, poses);
+        self.trails.note(time, poses, &self.coats);
     }
 
     /// A moment as a camera sees it: bodies, contacts, stationary bodies faded where they hide.

@@ -99,7 +99,8 @@ pub(crate) fn shallower_direction(
         Some(known) => local_ways(pair, own, known),
         None => local_ways(pair, own, &nearest_ways_out(pair, region)),
     };
-    if least_translation(&ways).length() >= enough {
+    // What leads all out is no shorter than the longest of their ways.
+    if ways.iter().any(|way| way.1 >= enough) || least_translation(&ways).length() >= enough {
         return None;
     }
     ways.extend(grazing_sides(pair, region, own));

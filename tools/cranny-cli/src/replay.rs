@@ -213,7 +213,10 @@ fn draw(
     if matches!(view, ScenePainterView::Motion | ScenePainterView::Heat) {
         let from = args.from.unwrap_or(0.0);
         let before = replay.frames().iter().filter(|f| (from..frames[0].time).contains(&f.time));
-        before.for_each(|frame| painter.follow(frame.time, &replay.poses(frame)));
+        for frame in before {
+            replay.dress(&mut painter, frame).map_err(crate::run::failure)?;
+            painter.follow(frame.time, &replay.poses(frame));
+        }
     }
     let delay = milliseconds(frames);
     let mut animation = Animation::new(delay);

@@ -2,9 +2,10 @@
 //! they are going, how fast.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
-use cranny_render::{Camera, DrawList, Instance, Label, Line, palette};
+use cranny_render::{Camera, DrawList, DrawMesh, Instance, Label, Line, palette};
 use cranny_world::BodyId;
 
 use super::Moment;
@@ -29,21 +30,37 @@ const ARROW: f64 = 0.2;
 const WAY: [f32; 2] = [0.8, 3.0];
 const SHAFT: f32 = 2.6;
 
-/// Places in the order of time.
-#[derive(Clone, Debug, Default)]
+/// Places and shapes in the order of time.
+#[derive(Clone, Default)]
 pub(super) struct Trails {
     moments: Vec<(f64, BTreeMap<BodyId, Pose>)>,
+    /// What a body looked like, from which time on.
+    shapes: BTreeMap<BodyId, Vec<(f64, Arc<DrawMesh>)>>,
 }
 
 impl Trails {
-    /// Takes in where bodies are; a time before the last begins anew.
-    pub(super) fn note(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>) {
+    /// Takes in where bodies are, and their shapes; a time before the last begins anew.
+    pub(super) fn note(&mut self, time: f64, poses: &BTreeMap<BodyId, Pose>, coats: &Coats) {
         match self.moments.last() {
             Some(&(last, _)) if time == last => return,
-            Some(&(last, _)) if time < last => self.moments.clear(),
+            Some(&(last, _)) if time < last => *self = Self::default(),
             _ => {}
         }
         self.moments.push((time, poses.clone()));
+        for (id, coat) in poses.keys().filter_map(|&id| Some((id, coats.get(id)?))) {
+            let shapes = self.shapes.entry(id).or_default();
+            if shapes.last().is_none_or(|(_, mesh)| !Arc::ptr_eq(mesh, &coat.mesh)) {
+                shapes.push((time, coat.mesh.clone()));
+            }
+        }
+    }
+
+    /// What a body looked like at a time that was noted.
+    fn shape(&self, id: BodyId, time: f64) -> Option<&Arc<DrawMesh>> {
+        let shapes = self.shapes.get(&id)?;
+        let (_, mesh) =
+            &shapes[shapes.partition_point(|(since, _)| *since <= time).checked_sub(1)?];
+        Some(mesh)
     }
 
     /// The last moments, so many if there are.
@@ -73,7 +90,7 @@ pub(super) fn push(
     for (id, coat) in moving.filter(|(_, coat)| coat.moves()) {
         let places = trails.of(id);
         push_way(list, coat, &places);
-        push_ghosts(list, coat, &places);
+        push_ghosts(list, (id, coat), trails, &places);
         speeds.extend(velocity(coat, &places));
     }
     let height = 2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan();
@@ -91,16 +108,22 @@ fn push_way(list: &mut DrawList, coat: &Coat, places: &[(f64, Pose)]) {
 }
 
 /// At even times of the way, where the body has moved enough between them.
-fn push_ghosts(list: &mut DrawList, coat: &Coat, places: &[(f64, Pose)]) {
+fn push_ghosts(
+    list: &mut DrawList,
+    (id, coat): (BodyId, &Coat),
+    trails: &Trails,
+    places: &[(f64, Pose)],
+) {
     let Some((_, last)) = places.last() else { return };
     let apart = APART * coat.mesh.bounds().diagonal();
     let mut next = middle(coat, last);
     for k in (0..GHOSTS).rev() {
-        let (_, pose) = &places[k * (places.len() - 1) / GHOSTS];
+        let (time, pose) = &places[k * (places.len() - 1) / GHOSTS];
         let here = middle(coat, pose);
         if here.distance(next) >= apart {
             let color = coat.color.with_alpha(GHOST_ALPHA);
-            list.instances.push(Instance::solid(coat.mesh.clone(), *pose, color));
+            let mesh = trails.shape(id, *time).unwrap_or(&coat.mesh).clone();
+            list.instances.push(Instance::solid(mesh, *pose, color));
             next = here;
         }
     }
