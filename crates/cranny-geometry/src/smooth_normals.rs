@@ -94,9 +94,7 @@ impl SmoothNormals {
         check_crease_angle(crease_angle)?;
         let (mesh, topology) = (model.mesh(), model.topology());
         let faces: Vec<DVec3> = faces_of(mesh).map(|f| direction(mesh.area_vector(f))).collect();
-        let mut sets = joined_corners(topology, &faces, crease_angle);
-        let of_corner = numbered(&mut sets, &faces);
-        let count = of_corner.iter().max().map_or(0, |&last| last as usize + 1);
+        let (of_corner, count) = joined_corners(topology, &faces, crease_angle).numbered();
         let corner_normals = means(mesh, &faces, &of_corner, count);
         let mut own = Self { crease_angle, corner_normals, of_corner, creases: Vec::new() };
         own.creases = own.found_creases(model);
@@ -258,21 +256,6 @@ fn joined_corners(topology: &Topology, faces: &[DVec3], crease_angle: f64) -> Di
         }
     }
     sets
-}
-
-/// The sets' numbers, from 0 in order of their least members, by their members.
-fn numbered(sets: &mut DisjointSets, faces: &[DVec3]) -> Vec<u32> {
-    let mut next = 0;
-    let mut numbers: Vec<u32> = Vec::with_capacity(3 * faces.len());
-    for corner in 0..3 * faces.len() {
-        let least = sets.find(corner);
-        let known = numbers.get(least).copied();
-        numbers.push(known.unwrap_or_else(|| {
-            next += 1;
-            next - 1
-        }));
-    }
-    numbers
 }
 
 /// The mean normal of each set of corners, and how much the surface bends about them.

@@ -125,6 +125,11 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// Of surfaces that share a point.
+    pub(crate) fn touching(id: (Feature, Feature), point: DVec3, normal: DVec3) -> Self {
+        Self { id, point_a: point, point_b: point, normal, separation: 0.0 }
+    }
+
     /// With the bodies' names exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {

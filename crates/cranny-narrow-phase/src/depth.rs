@@ -67,9 +67,7 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
     /// How far the curves reach along a direction.
     pub(crate) fn reach_of_curves(&self, normal: DVec3) -> f64 {
         let nodes = self.cut.segments.iter().map(|&s| self.intersection.segments[s].nodes[0]);
-        let heights = nodes.map(|node| self.intersection.nodes[node].point.dot(normal));
-        let (low, high) =
-            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = range(nodes.map(|node| self.intersection.nodes[node].point.dot(normal)));
         high - low
     }
 
@@ -77,9 +75,14 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
     pub(crate) fn on_curve(&self, normal: DVec3) -> Contact {
         let first = &self.intersection.segments[self.cut.segments[0]];
         let node = &self.intersection.nodes[first.nodes[0]];
-        let (id, point_a, point_b) = (node.features, node.point, node.point);
-        Contact { id, point_a, point_b, normal, separation: 0.0 }
+        Contact::touching(node.features, node.point, normal)
     }
+}
+
+/// The least and the greatest of some heights.
+pub(crate) fn range(heights: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    heights.into_iter().fold(none, |(low, high), height| (low.min(height), high.max(height)))
 }
 
 /// Measures a region along `normal` (unit, from first to second, pair's frame).
@@ -137,9 +140,7 @@ struct Above {
 
 impl<T> Ranged<T> {
     fn new(what: T, heights: impl IntoIterator<Item = f64>) -> Self {
-        let (low, high) = heights
-            .into_iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = range(heights);
         Self { what, low, high }
     }
 }
@@ -325,17 +326,9 @@ impl View<'_, '_, '_> {
         q: DVec3,
         depth: f64,
     ) -> Contact {
-        let contact = Contact {
-            id: (own, its),
-            point_a: p,
-            point_b: q,
-            normal: self.normal,
-            separation: -depth,
-        };
-        match side {
-            Side::First => contact,
-            Side::Second => Contact { id: (its, own), point_a: q, point_b: p, ..contact },
-        }
+        let normal = if side == Side::First { self.normal } else { -self.normal };
+        let (id, separation) = ((own, its), -depth);
+        side.in_order(Contact { id, point_a: p, point_b: q, normal, separation })
     }
 
     /// Where the line through `p` along the normal meets a triangle.

@@ -6,7 +6,7 @@ use cranny_exact::{DVec3, Interval, Meeting, PoseError};
 use cranny_geometry::CreaseAngleError;
 use thiserror::Error;
 
-use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
+use crate::answer::{Answer, Contact, Counters, Region, Surface};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
@@ -19,7 +19,7 @@ use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
-use crate::regions::{is_closed, meeting_regions};
+use crate::regions::{Found, is_closed, meeting_regions};
 use crate::surface::{FacePair, strongest};
 use crate::tally::{Observed, Tally};
 
@@ -375,20 +375,10 @@ fn gaps(
     counters: &mut impl Tally,
 ) -> Vec<Region> {
     let region = |NearRegion { contacts, faces }: NearRegion| {
-        let points: Vec<Contact> =
-            reduce(contacts).into_iter().map(|c| pair.world_contact(c)).collect();
-        Region {
-            id: RegionId::default(),
-            from: Vec::new(),
-            faces: pair.ordered_faces(faces),
-            deepest: points[0],
-            normal: points[0].normal,
-            depth: None,
-            area: None,
-            points,
-            curves: Vec::new(),
-            triangle_pairs: 0,
-        }
+        let (points, curves) = (reduce(contacts), Vec::new());
+        let normal = points[0].normal;
+        let found = Found { normal, depth: None, area: None, points, curves, faces };
+        Region { triangle_pairs: 0, ..found.finish(pair) }
     };
     near_regions(pair, margin, memory, counters).into_iter().map(region).collect()
 }

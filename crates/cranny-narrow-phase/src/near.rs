@@ -74,18 +74,13 @@ fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<NearRegion> {
     for ends in places.windows(2).filter(|ends| ends[0].0 == ends[1].0) {
         sets.union(ends[0].1, ends[1].1);
     }
-    let mut regions: Vec<NearRegion> = Vec::new();
-    let mut region_of_root = vec![None; contacts.len()];
-    for (index, contact) in contacts.into_iter().enumerate() {
-        let region = *region_of_root[sets.find(index)].get_or_insert(regions.len());
-        if region == regions.len() {
-            regions.push(NearRegion::default());
-        }
-        regions[region].contacts.push(contact);
+    let (region_of, count) = sets.numbered();
+    let mut regions = vec![NearRegion::default(); count];
+    for (contact, &region) in contacts.into_iter().zip(&region_of) {
+        regions[region as usize].contacts.push(contact);
     }
     for (faces, index) in places {
-        let region = region_of_root[sets.find(index)].expect("every contact is in a region");
-        regions[region].faces.push(faces);
+        regions[region_of[index] as usize].faces.push(faces);
     }
     regions
 }

@@ -42,6 +42,11 @@ impl Side {
     pub fn index(self) -> usize {
         self as usize
     }
+
+    /// In the pair's order, a contact that has what is of this side first.
+    pub(crate) fn in_order(self, contact: Contact) -> Contact {
+        if self == Self::First { contact } else { contact.swapped() }
+    }
 }
 
 /// Vertices of a second body that has grown or shrunk, whose places cost more than posing; a slot

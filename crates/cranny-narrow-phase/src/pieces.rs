@@ -46,18 +46,10 @@ pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<RegionPieces>
     for [a, b] in joins {
         sets.union(a, b);
     }
-
-    let mut cuts: Vec<RegionPieces> = Vec::new();
-    // Regions are numbered by their least node: all hang on a curve.
-    let mut cut_of_set = vec![usize::MAX; intersection.nodes.len()];
-    for node in 0..intersection.nodes.len() {
-        let set = sets.find(node);
-        if cut_of_set[set] == usize::MAX {
-            cut_of_set[set] = cuts.len();
-            cuts.push(RegionPieces::default());
-        }
-    }
-    let mut cut_of = |member: Member| cut_of_set[sets.find(member)];
+    // All hang on a curve, so on a node.
+    let (cut_of, count) = sets.numbered();
+    let cut_of = |member: Member| cut_of[member] as usize;
+    let mut cuts = vec![RegionPieces::default(); count];
     let mut faces = [Numbering::default(), Numbering::default()];
     let mut add_face = |cuts: &mut [RegionPieces], cut: usize, side: Side, face: FaceId| {
         let key = (cut as u64) << 32 | u64::from(face.0);

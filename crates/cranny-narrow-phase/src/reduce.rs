@@ -68,38 +68,50 @@ fn order(x: &Contact, y: &Contact) -> std::cmp::Ordering {
 }
 
 fn of_directions(mut contacts: Vec<Contact>, cosine: f64) -> Vec<Contact> {
-    contacts.sort_by(order);
-    let mut directions: Vec<Vec<Contact>> = Vec::new();
-    for contact in contacts {
-        let home = directions.iter_mut().find(|d| d[0].normal.dot(contact.normal) >= cosine);
-        match home {
-            Some(group) => group.push(contact),
-            None => directions.push(vec![contact]),
-        }
+    if contacts.len() < 2 {
+        return contacts;
     }
-    let mut kept: Vec<Contact> = directions.iter().flat_map(|group| spanning(group)).collect();
+    contacts.sort_by(order);
+    let mut normals: Vec<DVec3> = Vec::new();
+    let with_direction = |contact: Contact| {
+        let known = normals.iter().position(|normal| normal.dot(contact.normal) >= cosine);
+        let direction = known.unwrap_or_else(|| {
+            normals.push(contact.normal);
+            normals.len() - 1
+        });
+        (direction, contact)
+    };
+    let mut all: Vec<(usize, Contact)> = contacts.into_iter().map(with_direction).collect();
+    // Stable: the deepest of a direction stays its first.
+    all.sort_by_key(|(direction, _)| *direction);
+    let groups = all.chunk_by(|(one, _), (other, _)| one == other);
+    let mut kept: Vec<Contact> = groups.flat_map(spanning).collect();
     kept.sort_by(order);
     kept
 }
 
 /// The first of a group, which is the deepest, and those that turns would make the deepest.
-fn spanning(group: &[Contact]) -> Vec<Contact> {
-    let mut chosen = vec![0];
-    for towards in around(group[0].normal) {
-        for turn in TURNS {
-            let turned = |c: &Contact| c.separation - turn * towards.dot(c.point_a);
-            let all = group.iter().enumerate();
-            let deepest =
-                all.min_by(|(i, x), (j, y)| turned(x).total_cmp(&turned(y)).then(i.cmp(j)));
-            chosen.extend(deepest.map(|(i, _)| i));
+fn spanning(group: &[(usize, Contact)]) -> impl Iterator<Item = Contact> {
+    let mut chosen = Vec::with_capacity(1 + TURNS.len() * AROUND);
+    chosen.push(0);
+    if group.len() > 1 {
+        let mut along = Vec::with_capacity(group.len());
+        for towards in around(group[0].1.normal) {
+            along.clear();
+            along.extend(group.iter().map(|(_, contact)| towards.dot(contact.point_a)));
+            for turn in TURNS {
+                let turned = group.iter().zip(&along).map(|((_, c), x)| c.separation - turn * x);
+                let deepest = turned.enumerate().min_by(|(_, x), (_, y)| x.total_cmp(y));
+                chosen.extend(deepest.map(|(i, _)| i));
+            }
         }
+        chosen.sort_unstable();
+        chosen.dedup();
     }
-    chosen.sort_unstable();
-    chosen.dedup();
-    while chosen.len() < LEAST {
-        let clearance = |c: &Contact| {
-            let apart = chosen.iter().map(|&k| (group[k].point_a - c.point_a).length_squared());
-            apart.fold(f64::INFINITY, f64::min)
+    while chosen.len() < LEAST.min(group.len()) {
+        let clearance = |(_, contact): &(usize, Contact)| {
+            let to = |&k: &usize| (group[k].1.point_a - contact.point_a).length_squared();
+            chosen.iter().map(to).fold(f64::INFINITY, f64::min)
         };
         let clearances = group.iter().map(clearance).enumerate();
         match clearances.max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0))) {
@@ -107,7 +119,7 @@ fn spanning(group: &[Contact]) -> Vec<Contact> {
             _ => break,
         }
     }
-    chosen.into_iter().map(|i| group[i]).collect()
+    chosen.into_iter().map(|i| group[i].1)
 }
 
 /// Directions square to a normal.

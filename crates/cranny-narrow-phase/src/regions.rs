@@ -1,14 +1,12 @@
 //! Contact regions of surfaces that intersect: normal, depth, area, points and curves.
 
-use std::collections::HashMap;
-
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Curve, Region, RegionId};
 use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, deepest_along, depths_along};
-use crate::intersection::{Chains, Intersection, intersect};
+use crate::intersection::{Chains, Intersection, Node, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
@@ -72,15 +70,15 @@ fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
 }
 
 /// A region in the pair's frame and order, but for its curves.
-struct Found {
-    normal: DVec3,
-    depth: Option<f64>,
-    area: Option<f64>,
+pub(crate) struct Found {
+    pub(crate) normal: DVec3,
+    pub(crate) depth: Option<f64>,
+    pub(crate) area: Option<f64>,
     /// The deepest first.
-    points: Vec<Contact>,
+    pub(crate) points: Vec<Contact>,
     /// In world coordinates.
-    curves: Vec<Curve>,
-    faces: Vec<[FaceId; 2]>,
+    pub(crate) curves: Vec<Curve>,
+    pub(crate) faces: Vec<[FaceId; 2]>,
 }
 
 impl Found {
@@ -94,7 +92,7 @@ impl Found {
     }
 
     /// Into world coordinates and the caller's order.
-    fn finish(self, pair: &Pair) -> Region {
+    pub(crate) fn finish(self, pair: &Pair) -> Region {
         let Self { normal, depth, area, points, curves, faces } = self;
         let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
         let triangle_pairs = faces.len() as u32;
@@ -189,48 +187,28 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
     for s in &intersection.segments {
         sets.union(s.nodes[0], s.nodes[1]);
     }
-    let mut order: Vec<Vec<usize>> = Vec::new();
-    let mut region_of_root = HashMap::new();
+    let (region_of, count) = sets.numbered();
+    let mut segments_of = vec![Vec::new(); count];
     for (index, s) in intersection.segments.iter().enumerate() {
-        let region = *region_of_root.entry(sets.find(s.nodes[0])).or_insert(order.len());
-        if region == order.len() {
-            order.push(Vec::new());
-        }
-        order[region].push(index);
+        segments_of[region_of[s.nodes[0]] as usize].push(index);
     }
-    if order.is_empty() {
+    if segments_of.is_empty() {
         return outer_touch(pair, pairs);
     }
     let mut chains = Chains::of(intersection);
-    order
-        .into_iter()
-        .map(|segments| {
-            // No inside, no depth: the normal is the balance of the faces that meet.
-            let sum: DVec3 = segments
-                .iter()
-                .map(|&s| {
-                    let [f, g] = intersection.segments[s].faces;
-                    pair.area_vector(Side::First, f) - pair.area_vector(Side::Second, g)
-                })
-                .sum();
-            let normal = sum.try_normalize().unwrap_or(DVec3::Z);
-            let points = segments
-                .iter()
-                .map(|&s| {
-                    let node = &intersection.nodes[intersection.segments[s].nodes[0]];
-                    Contact {
-                        id: node.features,
-                        point_a: node.point,
-                        point_b: node.point,
-                        normal,
-                        separation: 0.0,
-                    }
-                })
-                .collect();
-            let curves = curves(pair, intersection, &mut chains, &segments);
-            let faces = segments.iter().map(|&s| intersection.segments[s].faces).collect();
-            let points = reduce(points);
-            Found { normal, depth: None, area: None, points, curves, faces }.finish(pair)
-        })
-        .collect()
+    let region = |segments: Vec<usize>| {
+        let faces = segments.iter().map(|&s| intersection.segments[s].faces);
+        let nodes =
+            segments.iter().map(|&s| &intersection.nodes[intersection.segments[s].nodes[0]]);
+        let balance = faces
+            .clone()
+            .map(|[f, g]| pair.area_vector(Side::First, f) - pair.area_vector(Side::Second, g));
+        // No inside, no depth: the normal is the balance of the faces that meet.
+        let normal = balance.sum::<DVec3>().try_normalize().unwrap_or(DVec3::Z);
+        let touching = |node: &Node| Contact::touching(node.features, node.point, normal);
+        let points = reduce(nodes.map(touching).collect());
+        let curves = curves(pair, intersection, &mut chains, &segments);
+        Found { normal, depth: None, area: None, points, curves, faces: faces.collect() }
+    };
+    segments_of.into_iter().map(region).map(|found| found.finish(pair)).collect()
 }

@@ -31,16 +31,9 @@ pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegi
             }
         }
     }
-    let mut regions: Vec<Vec<FacePair>> = Vec::new();
-    let mut region_of_root = HashMap::new();
-    for (i, t) in touching.iter().enumerate() {
-        let region = *region_of_root.entry(sets.find(i)).or_insert(regions.len());
-        if region == regions.len() {
-            regions.push(Vec::new());
-        }
-        regions[region].push(*t);
-    }
-    regions.into_iter().map(|pairs| region(pair, &pairs)).collect()
+    let of_group =
+        |group: Vec<usize>| -> Vec<FacePair> { group.into_iter().map(|i| touching[i]).collect() };
+    sets.groups().into_iter().map(|group| region(pair, &of_group(group))).collect()
 }
 
 fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
@@ -55,14 +48,17 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
             let polygon = overlap(&a, &b, normal);
             area_vector += normal * polygon_area(&polygon, normal);
             let id = (Feature::Face(t.first), Feature::Face(t.second));
-            contacts.extend(polygon.into_iter().map(|p| at_rest(id, p, normal)));
+            contacts.extend(polygon.into_iter().map(|p| Contact::touching(id, p, normal)));
         }
     }
     let area = area_vector.length();
     let normal = if area > 0.0 { area_vector / area } else { point_normal(pair, &intersection) };
     if contacts.is_empty() {
-        contacts =
-            intersection.nodes.iter().map(|n| at_rest(n.features, n.point, normal)).collect();
+        contacts = intersection
+            .nodes
+            .iter()
+            .map(|n| Contact::touching(n.features, n.point, normal))
+            .collect();
     }
     if contacts.is_empty() {
         // Degenerate faces that touch in one line or point.
@@ -72,14 +68,10 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
             &pair.triangle(Side::Second, t.second),
         );
         let id = (Feature::Face(t.first), Feature::Face(t.second));
-        contacts.push(at_rest(id, nearest.points[0], normal));
+        contacts.push(Contact::touching(id, nearest.points[0], normal));
     }
     let faces = pairs.iter().map(|p| [p.first, p.second]).collect();
     TouchRegion { normal, area, contacts, faces }
-}
-
-fn at_rest(id: (Feature, Feature), p: DVec3, normal: DVec3) -> Contact {
-    Contact { id, point_a: p, point_b: p, normal, separation: 0.0 }
 }
 
 /// The normal where bodies touch in points or lines: the face's where one is part of it, else of

@@ -110,27 +110,6 @@ pub(crate) fn shallower_direction(
     least_deep(pair, region, together.into_iter().collect(), enough, parts)
 }
 
-/// The direction along which a region's pieces push each other out: another than that of `own`, its
-/// deepest contact along its own direction, where it is far less deep along that. It does not part
-/// bodies that reach on beyond their pieces, as walls do that stand across each other. `known` are
-/// contacts of the region with ways out of their own place; what looks no deeper than `shallow`
-/// along a direction is not seen from there.
-pub(crate) fn pushing_direction(
-    pair: &Pair,
-    region: &MeasuredRegion,
-    own: &Contact,
-    known: &[Contact],
-    shallow: f64,
-) -> DVec3 {
-    let known: Vec<_> = known.iter().map(|way| (way.normal, -way.separation)).collect();
-    let together = least_translation(&known).try_normalize();
-    let enough = -own.separation / FAR_DEEPER;
-    let other = least_deep(pair, region, together.into_iter().collect(), enough, |_, depth| {
-        depth > shallow
-    });
-    other.unwrap_or(own.normal)
-}
-
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
 /// along some direction, `ways` are its [`nearest_ways_out`].
 pub(crate) fn parts_within(
@@ -334,23 +313,14 @@ pub(crate) fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Cont
             let Some((face, q)) = nearest else { continue };
             let outward = pair.normal(side.other(), face);
             let depth = (q - p).length();
-            let (own, its) = (Feature::Vertex(v), Feature::Face(face));
-            contacts.push(match side {
-                Side::First => Contact {
-                    id: (own, its),
-                    point_a: p,
-                    point_b: q,
-                    normal: -outward,
-                    separation: -depth,
-                },
-                Side::Second => Contact {
-                    id: (its, own),
-                    point_a: q,
-                    point_b: p,
-                    normal: outward,
-                    separation: -depth,
-                },
-            });
+            let contact = Contact {
+                id: (Feature::Vertex(v), Feature::Face(face)),
+                point_a: p,
+                point_b: q,
+                normal: -outward,
+                separation: -depth,
+            };
+            contacts.push(side.in_order(contact));
         }
     }
     contacts

@@ -118,7 +118,7 @@ impl Dispatcher {
         let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
         let read = self.log_for_reader(&request, answer, &mut pair);
-        *workspace = Some(ContactManifoldsWorkspace::from(*pair));
+        *workspace = Some(ContactManifoldsWorkspace(pair));
         Some(read)
     }
 

@@ -5,8 +5,6 @@
 //! averaged. Impulses of the last step are carried over by ids (for two meshes those of their
 //! patches, which stay while the nearest features change) and place, or else by place alone.
 
-use std::collections::HashMap;
-
 use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature, SAME_NORMAL};
@@ -64,25 +62,17 @@ pub(crate) fn rebuild(
     reach: f64,
     manifolds: &mut Vec<Manifold>,
 ) {
-    let mut groups: Vec<(DVec3, Vec<&SolverContact>)> = Vec::new();
-    for contact in contacts {
-        let home = groups.iter_mut().find(|(normal, members)| {
-            members.len() < MAX_POINTS && normal.dot(contact.normal) >= SAME_NORMAL
-        });
-        match home {
-            Some((_, members)) => members.push(contact),
-            None => groups.push((contact.normal, vec![contact])),
-        }
-    }
+    let (count, members) = by_manifolds(contacts);
+    let groups = || members.chunk_by(|(one, _), (other, _)| one == other);
     let inverse = first_from_second.world_from_body().inverse();
     // What rests has the same contacts as in the step before: they keep their impulses where they
     // stand.
-    if groups.len() == manifolds.len()
-        && groups.iter().zip(&*manifolds).all(|((_, members), manifold)| is_of(manifold, members))
+    if count == manifolds.len()
+        && groups().zip(&*manifolds).all(|(group, manifold)| is_of(manifold, group))
     {
-        for ((normal, members), manifold) in groups.iter().zip(manifolds) {
-            turn(manifold, *normal, &inverse);
-            for (contact, point) in members.iter().zip(&mut manifold.points) {
+        for (group, manifold) in groups().zip(manifolds) {
+            turn(manifold, group[0].1.normal, &inverse);
+            for ((_, contact), point) in group.iter().zip(&mut manifold.points) {
                 *point = TrackedContact { data: point.data, ..tracked(contact, &inverse) };
             }
         }
@@ -90,11 +80,11 @@ pub(crate) fn rebuild(
     }
     let mut memory = Impulses::of(manifolds);
     manifolds.clear();
-    for (index, (normal, members)) in groups.into_iter().enumerate() {
+    for (index, group) in groups().enumerate() {
         let mut manifold =
             Manifold::with_data(index as u32, index as u32, ContactManifoldData::default());
-        turn(&mut manifold, normal, &inverse);
-        manifold.points.extend(members.into_iter().map(|contact| tracked(contact, &inverse)));
+        turn(&mut manifold, group[0].1.normal, &inverse);
+        manifold.points.extend(group.iter().map(|(_, contact)| tracked(contact, &inverse)));
         manifolds.push(manifold);
     }
     // Ids first, for all: what stands at a place may belong to a contact that comes later.
@@ -113,14 +103,36 @@ pub(crate) fn rebuild(
     }
 }
 
+/// The number of a manifold, and a contact of it.
+type Member<'c> = (usize, &'c SolverContact);
+
+/// The number of manifolds, and contacts by them: of one normal each, and no more than rapier
+/// solves.
+fn by_manifolds<'c>(contacts: &'c [SolverContact]) -> (usize, Vec<Member<'c>>) {
+    // Of each manifold the normal, and how many points it has.
+    let mut manifolds: Vec<(DVec3, usize)> = Vec::with_capacity(contacts.len());
+    let member = |contact: &'c SolverContact| {
+        let has_room = |(normal, points): &(DVec3, usize)| {
+            *points < MAX_POINTS && normal.dot(contact.normal) >= SAME_NORMAL
+        };
+        let home = manifolds.iter().position(has_room).unwrap_or_else(|| {
+            manifolds.push((contact.normal, 0));
+            manifolds.len() - 1
+        });
+        manifolds[home].1 += 1;
+        (home, contact)
+    };
+    let mut members: Vec<Member> = contacts.iter().map(member).collect();
+    members.sort_by_key(|(home, _)| *home);
+    (manifolds.len(), members)
+}
+
 /// Whether these contacts are a manifold's, in its order.
-fn is_of(manifold: &Manifold, members: &[&SolverContact]) -> bool {
-    manifold.points.len() == members.len()
-        && manifold
-            .points
-            .iter()
-            .zip(members)
-            .all(|(point, contact)| (point.fid1, point.fid2) == contact.ids)
+fn is_of(manifold: &Manifold, group: &[Member]) -> bool {
+    let same = |(point, (_, contact)): (&TrackedContact<ContactData>, &Member)| {
+        (point.fid1, point.fid2) == contact.ids
+    };
+    manifold.points.len() == group.len() && manifold.points.iter().zip(group).all(same)
 }
 
 /// Gives a manifold its normal.
@@ -159,7 +171,8 @@ pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
 /// What the solver learned in the last step. Each impulse is handed on once at most.
 struct Impulses {
     known: Vec<KnownContact>,
-    by_ids: HashMap<(PackedFeatureId, PackedFeatureId), Vec<usize>>,
+    /// Places among these, by ascending ids.
+    by_ids: Vec<([u32; 2], usize)>,
 }
 
 struct KnownContact {
@@ -169,12 +182,16 @@ struct KnownContact {
     taken: bool,
 }
 
+fn ids_of(point: &TrackedContact<ContactData>) -> [u32; 2] {
+    [point.fid1.0, point.fid2.0]
+}
+
 impl Impulses {
     fn of(manifolds: &[Manifold]) -> Self {
-        let mut out = Self { known: Vec::new(), by_ids: HashMap::new() };
+        let mut out = Self { known: Vec::new(), by_ids: Vec::new() };
         for manifold in manifolds {
             for point in &manifold.points {
-                out.by_ids.entry((point.fid1, point.fid2)).or_default().push(out.known.len());
+                out.by_ids.push((ids_of(point), out.known.len()));
                 out.known.push(KnownContact {
                     place: wide(point.local_p1),
                     normal: wide(manifold.local_n1),
@@ -183,13 +200,17 @@ impl Impulses {
                 });
             }
         }
+        out.by_ids.sort_unstable();
         out
     }
 
     /// Of a point with the same ids, the nearest of them; `None` if there was none with these ids.
     fn by_ids(&mut self, point: &TrackedContact<ContactData>) -> Option<ContactData> {
-        let same = self.by_ids.get(&(point.fid1, point.fid2))?;
-        Some(take_nearest(&mut self.known, same.iter().copied(), wide(point.local_p1)))
+        let (ids, Self { known, by_ids }) = (ids_of(point), self);
+        let start = by_ids.partition_point(|(other, _)| *other < ids);
+        let same = by_ids[start..].iter().take_while(|(other, _)| *other == ids);
+        same.clone().next()?;
+        Some(take_nearest(known, same.map(|(_, at)| *at), wide(point.local_p1)))
     }
 
     /// Of a point at nearly the same place, and of nearly the same normal.

@@ -8,8 +8,8 @@ use crate::args::{CheckArgs, Format};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps;
-use crate::run::failure;
 use crate::scene_file::read;
+use crate::simulation::failure;
 use crate::words::counted;
 
 /// What a right scene holds.

@@ -22,8 +22,9 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::{make_folder, write};
 use crate::progress;
-use crate::run::{detector, failure, stop_flag};
+use crate::run::detector;
 use crate::scene_file::load;
+use crate::simulation::{failure, stop_flag};
 use contestant::DetectorRun;
 pub(crate) use figures::{RunFigures, way};
 

@@ -34,6 +34,7 @@ mod robot;
 mod run;
 mod scene_file;
 mod signals;
+mod simulation;
 mod stability;
 mod verify;
 mod words;

@@ -65,7 +65,7 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
         Format::Text => output.line(&as_text(&replay, &found, args)),
     }?;
     match found.different() {
-        Some(differs) => Err(Failure::run(Differs { what: differs, damaged: is_damaged(&replay) })),
+        Some(differs) => Err(Failure::run(Differs { what: differs, damage: damage(&replay) })),
         None if found.is_compared() || args.render.is_some() => Ok(()),
         None => Err(Failure::run(NothingCompared::of(&replay, &found.report))),
     }
@@ -99,7 +99,8 @@ impl Found {
     }
 }
 
-fn is_damaged(replay: &Replay) -> &'static str {
+/// What is missing, in words; empty where nothing is.
+fn damage(replay: &Replay) -> &'static str {
     match replay.recording().damaged_chunks() {
         0 => "",
         _ => "; it is damaged, so shapes and frames are missing that it held",
@@ -107,10 +108,10 @@ fn is_damaged(replay: &Replay) -> &'static str {
 }
 
 #[derive(Debug, thiserror::Error)]
-#[error("what was found is not what was recorded: {what}{damaged}")]
+#[error("what was found is not what was recorded: {what}{damage}")]
 struct Differs {
     what: String,
-    damaged: &'static str,
+    damage: &'static str,
 }
 
 /// Why a replay verifies nothing.
@@ -201,20 +202,20 @@ fn draw(
         ViewArg::Heat => ScenePainterView::Heat,
     };
     let quality = args.pictures.quality.into();
-    let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
+    let camera_size = ScenePainter::camera_size(view, size).map_err(crate::simulation::failure)?;
     let mut painter =
-        ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
+        ScenePainter::new(&scene, camera_size, quality).map_err(crate::simulation::failure)?;
     if !replay.has_contacts() {
         painter = painter.without_recorded_contacts();
     }
     if let Some(name) = &args.pictures.camera {
-        painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
+        painter.choose_camera(&scene, name, camera_size).map_err(crate::simulation::failure)?;
     }
     if matches!(view, ScenePainterView::Motion | ScenePainterView::Heat) {
         let from = args.from.unwrap_or(0.0);
         let before = replay.frames().iter().filter(|f| (from..frames[0].time).contains(&f.time));
         for frame in before {
-            replay.dress(&mut painter, frame).map_err(crate::run::failure)?;
+            replay.dress(&mut painter, frame).map_err(crate::simulation::failure)?;
             painter.follow(frame.time, &replay.poses(frame));
         }
     }
@@ -223,9 +224,9 @@ fn draw(
     let mut first: Option<Image> = None;
     for frame in frames {
         let moment = replay.moment(frame);
-        replay.dress(&mut painter, frame).map_err(crate::run::failure)?;
+        replay.dress(&mut painter, frame).map_err(crate::simulation::failure)?;
         let image =
-            painter.draw(&mut renderer, &moment, view, size).map_err(crate::run::failure)?;
+            painter.draw(&mut renderer, &moment, view, size).map_err(crate::simulation::failure)?;
         // One at a time: an animation keeps what changes.
         let size = first.as_ref().map_or(image.size(), Image::size);
         animation.push(image.on_canvas(size, palette::PAPER)).map_err(Failure::run)?;

@@ -2,13 +2,11 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    CAMERA_PRESETS, ContactFields, DEFAULT_CAMERA, DeepestSummary, EstimateSummary, JointSummary,
-    LeftSummary, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp,
-    SceneAppError, TrackedContacts, TrackingSummary, TriggerSummary, check_outputs, helices, rings,
+    CAMERA_PRESETS, DEFAULT_CAMERA, DeepestSummary, EstimateSummary, JointSummary, LeftSummary,
+    PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneAppError,
+    TrackedContacts, TrackingSummary, TriggerSummary, check_outputs,
 };
 use cranny_rapier::Detector;
 use cranny_world::description::SceneDescription;
@@ -19,9 +17,9 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::overlaps::{self, StartOverlap};
 use crate::paths::check_output;
-use crate::progress::RunProgress;
 use crate::rerun;
 use crate::scene_file::load;
+use crate::simulation::{failure, plugins, simulate};
 use crate::words::counted;
 
 /// Things of a kind that the text summary lists; the JSON lists all.
@@ -60,14 +58,10 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
     let recording = rerun::recording_of_run(args.record.as_deref(), args.rerun.as_deref());
     let options = RunOptions {
+        // It prints the summary, and nothing of a single contact.
         plugins: PluginOptions {
-            detector: detector(args.detector),
-            helices: helices(&scene),
-            rings: rings(&scene),
             threads: Some(args.threads),
-            // It prints the summary, and nothing of a single contact.
-            contact_fields: ContactFields::NONE,
-            ..PluginOptions::default()
+            ..plugins(&scene, detector(args.detector))
         },
         step: args.instead.dt,
         duration: args.instead.duration,
@@ -101,22 +95,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     if let Some(path) = &args.preview {
         check_output("--preview", path, &["png", "apng"])?;
     }
-    // Before anything is written that a Ctrl-C would have to finish.
-    let stop = stop_flag();
-    let mut app = SceneApp::new(&scene.description, &options)
-        .map_err(|error| of_flags(&args.effort, error))?;
-    let dt = options.step.unwrap_or(scene.description.step);
-    let progress = RunProgress::new(app.steps_total(), dt);
-    let mut steps_left = app.steps_total() > 0;
-    while steps_left {
-        if stop.load(Ordering::Relaxed) {
-            app.interrupt();
-        }
-        steps_left = app.step().map_err(failure)?;
-        progress.set(app.steps_done());
-    }
-    progress.finishing();
-    let mut summary = app.finish().map_err(failure)?;
+    let refused = |error| of_flags(&args.effort, error);
+    let (mut summary, progress) = simulate(&scene.description, &options, refused)?;
     let converted = match (&recording, &args.rerun) {
         (Some(recording), Some(out)) => {
             convert(recording, args.record.is_some(), out, &mut summary.outputs)
@@ -197,28 +177,6 @@ pub(crate) fn of_flags(effort: &EffortArgs, mut error: SceneAppError) -> Failure
         }
     }
     failure(error)
-}
-
-/// Input that cannot be simulated is the caller's to mend; the rest is a failed run.
-pub(crate) fn failure(error: SceneAppError) -> Failure {
-    match error {
-        SceneAppError::Output { .. }
-        | SceneAppError::Record(_)
-        | SceneAppError::Picture { .. }
-        | SceneAppError::NotFinite { .. } => Failure::run(error),
-        _ => Failure::input(error),
-    }
-}
-
-/// Set by Ctrl-C, and by the signal that ends jobs: the step at hand is completed, then the run
-/// ends in order.
-pub(crate) fn stop_flag() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let set = stop.clone();
-    if let Err(error) = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)) {
-        tracing::warn!("Ctrl-C will end the run at once, without a summary ({error})");
-    }
-    stop
 }
 
 /// The summary for people.

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The crates that compute: no files, no clock, no globals, no GPU, f64 only.
-pub(crate) const PURE_CRATES: &[&str] = &[
+const PURE_CRATES: &[&str] = &[
     "cranny-exact",
     "cranny-geometry",
     "cranny-concavity",
@@ -18,6 +18,11 @@ pub(crate) const PURE_CRATES: &[&str] = &[
     "cranny-certificate",
     "cranny-prover",
 ];
+
+/// Whether a crate computes and does nothing else.
+pub(crate) fn computes(name: &str) -> bool {
+    PURE_CRATES.contains(&name)
+}
 
 /// Row by row: a crate, and those of ours that it may use in what it ships. `?` marks those that
 /// must be optional, behind a feature.

@@ -2,7 +2,8 @@
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
 //! which, that the crates which compute do nothing but compute, and that a type name means one
-//! thing in a crate. `check-docs` checks that links of Markdown files resolve, and that pages and
+//! thing in a crate, and that a crate keeps its bound in lines. `lines` counts the lines of code of
+//! each crate. `check-docs` checks that links of Markdown files resolve, and that pages and
 //! comments keep their bounds. `instructions` counts the instructions of fixed pieces of work, and
 //! compares them with those on file.
 
@@ -16,6 +17,7 @@ mod instructions;
 mod literals;
 mod names;
 mod report;
+mod sizes;
 mod sources;
 mod strip;
 mod tokens;
@@ -25,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str =
-    "usage: cargo run -p xtask -- check-deps | check-docs | instructions [--update]";
+    "usage: cargo run -p xtask -- check-deps | check-docs | lines | instructions [--update]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
     match arguments[..] {
         ["check-deps"] => run_check_deps(),
         ["check-docs"] => run_check_docs(),
+        ["lines"] => run_lines(),
         ["instructions"] => run_instructions(false),
         ["instructions", "--update"] => run_instructions(true),
         _ => {
@@ -51,6 +54,32 @@ fn run_instructions(update: bool) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints the lines of code of each crate, and of those together that compute.
+fn run_lines() -> ExitCode {
+    match crate_lines() {
+        Ok(crates) => {
+            let computing = crates.iter().filter(|(name, _)| directions::computes(name));
+            let together: usize = computing.map(|(_, lines)| lines).sum();
+            crates.iter().for_each(|(name, lines)| println!("{lines:6} {name}"));
+            println!("{together:6} of crates that compute, together");
+            ExitCode::SUCCESS
+        }
+        Err(message) => {
+            eprintln!("lines: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn crate_lines() -> Result<Vec<(String, usize)>, String> {
+    let graph = directions::Graph::from_metadata(&cargo_metadata()?)?;
+    let of_crate = |package: &directions::Package| {
+        let files = sources::of_crate(Path::new(&package.folder))?;
+        Ok((package.name.clone(), sizes::lines(&files)))
+    };
+    graph.members().map(of_crate).collect()
 }
 
 fn run_check_deps() -> ExitCode {
@@ -102,8 +131,10 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
     let mut files = 0;
     for package in graph.members() {
         let mut type_names = names::TypeNames::new();
-        let is_pure = directions::PURE_CRATES.contains(&package.name.as_str());
-        for file in sources::of_crate(Path::new(&package.folder))? {
+        let is_pure = directions::computes(&package.name);
+        let sources = sources::of_crate(Path::new(&package.folder))?;
+        violations.extend(sizes::check(&package.name, &package.folder, sizes::lines(&sources)));
+        for file in sources {
             files += 1;
             let shown = file.path.strip_prefix(root).unwrap_or(&file.path).display().to_string();
             let tokens = tokens::of(&file.stripped.text);

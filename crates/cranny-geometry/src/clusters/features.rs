@@ -35,6 +35,11 @@ const ONE_LINE: f64 = 1e-8;
 /// Smaller: rounding turns it; larger: tips between narrow faces are not known.
 const LEAST_ANGLE: f64 = 1e-4;
 
+/// Cosine of the angle (30 degrees) between faces from which their edge is sharp. A smaller angle:
+/// regions of finely cut round bodies are measured in vain, whose vertices say how deep they are; a
+/// larger one: blunt edges dig in.
+const SHARP: f64 = 0.866;
+
 /// Which corners and sides count to a face, a bit each; of sides, that from corner `i` to the next
 /// is bit `i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,12 +52,18 @@ pub struct Owned {
     pub ridges: u8,
     /// All sides that may, whatever face they count to.
     pub bent: u8,
+    /// Sides between two faces whose normals are more than 30 degrees apart.
+    pub sharp: u8,
 }
 
 /// Which features count to each face.
 pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
-    let Surface { mesh, topology, .. } = surface;
+    let Surface { mesh, topology, normals, .. } = surface;
     let key = |f: FaceId| (patches.patch_of_face(f), f);
+    let is_sharp = |along: &[HalfEdgeId]| {
+        let [h, g, ..] = along else { return false };
+        normals[h.face().index()].dot(normals[g.face().index()]) <= SHARP
+    };
     let of = |face: FaceId| {
         let (own, mut owned) = (key(face), Owned::default());
         for i in 0..3 {
@@ -64,6 +75,7 @@ pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
             let is_bent = may_be_ridge(mesh, along);
             owned.ridges |= u8::from(is_owned && is_bent) << i;
             owned.bent |= u8::from(is_bent) << i;
+            owned.sharp |= u8::from(is_sharp(along)) << i;
         }
         owned
     };

@@ -96,11 +96,47 @@ impl DisjointSets {
         let (i, j) = (self.find(i), self.find(j));
         self.0[i.max(j)] = i.min(j) as u32;
     }
+
+    /// The number of each member's set, from 0 by their least members, and how many sets there are.
+    #[must_use]
+    pub fn numbered(mut self) -> (Vec<u32>, usize) {
+        let mut count = 0;
+        let mut numbers: Vec<u32> = Vec::with_capacity(self.0.len());
+        for member in 0..self.0.len() {
+            // Of a set's least member there is no number yet.
+            let known = numbers.get(self.find(member)).copied();
+            numbers.push(known.unwrap_or(count));
+            count += u32::from(known.is_none());
+        }
+        (numbers, count as usize)
+    }
+
+    /// The members of each set, ascending; the sets by their least members.
+    #[must_use]
+    pub fn groups(self) -> Vec<Vec<usize>> {
+        let (numbers, count) = self.numbered();
+        let mut groups = vec![Vec::new(); count];
+        for (member, group) in numbers.into_iter().enumerate() {
+            groups[group as usize].push(member);
+        }
+        groups
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sets_are_numbered_by_their_least_members() {
+        let mut sets = DisjointSets::new(7);
+        for [i, j] in [[6, 2], [5, 1], [2, 4], [4, 6]] {
+            sets.union(i, j);
+        }
+        assert_eq!(sets.clone().numbered(), (vec![0, 1, 2, 3, 2, 1, 2], 4));
+        assert_eq!(sets.groups(), [vec![0], vec![1, 5], vec![2, 4, 6], vec![3]]);
+        assert_eq!(DisjointSets::new(0).numbered(), (vec![], 0));
+    }
 
     #[test]
     fn components_are_read_from_runs_or_refused() {

@@ -40,8 +40,8 @@ fn contact(
     towards: DVec3,
     separation: f64,
 ) -> Contact {
-    let told = Contact { id: (own, its), point_a: p, point_b: foot, normal: towards, separation };
-    if side == Side::First { told } else { told.swapped() }
+    let (id, normal) = ((own, its), towards);
+    side.in_order(Contact { id, point_a: p, point_b: foot, normal, separation })
 }
 
 /// A vertex of `side`, at `p`, before a face of the other body, of these corners; not behind its

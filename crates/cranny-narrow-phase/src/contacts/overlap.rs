@@ -147,14 +147,14 @@ fn way_out(
     if outward == DVec3::ZERO || !faces_towards(pair, side, vertex, -outward) {
         return None;
     }
-    let told = Contact {
+    let contact = Contact {
         id: (Feature::Vertex(vertex), feature),
         point_a: p,
         point_b: nearest.foot,
         normal: -outward,
         separation: -nearest.distance,
     };
-    Some(if side == Side::First { told } else { told.swapped() })
+    Some(side.in_order(contact))
 }
 
 fn edges_crossing<T: Tally>(

@@ -4,32 +4,24 @@
 //! the rim of a wall stands across the edge of another one, as an X, no vertex lies inside, and the
 //! edges overlap by more than the walls are thick. Two bodies of a pile went through each other
 //! there. So a region that sharp edges pierce is measured, and where it is far deeper than its
-//! contacts say, it has contacts: along its own direction, or another along which it is far less
-//! deep.
+//! contacts say, it has contacts along its own direction.
 //!
 //! A region most of whose sides graze each other is left out, and one that parts by as little as
 //! its contacts say in some other direction: what overlaps there by a hair reaches as far as the
 //! sides do, and nothing has dug in so deep.
 
 use cranny_exact::DVec3;
-use cranny_geometry::EdgeId;
+use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
-use crate::depth::{MeasuredRegion, deepest_along, depths_along};
+use crate::depth::{MeasuredRegion, deepest_along, depths_along, range};
 use crate::intersection::{Intersection, intersect};
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
-use crate::way_out::{
-    mostly_grazes, nearest_ways_out, parts_within, pushing_direction, shallower_direction,
-};
-
-/// Cosine of the angle (30 degrees) between the faces at an edge from which it is sharp. A smaller
-/// angle: regions of finely cut round bodies are measured in vain, whose vertices say how deep they
-/// are; a larger one: blunt edges dig in.
-const SHARP: f64 = 0.866;
+use crate::way_out::{mostly_grazes, nearest_ways_out, parts_within, shallower_direction};
 
 /// How many times deeper than its contacts a region is that gets others. Smaller: contacts with
 /// normals of their own place are joined by some of a mean normal; larger: walls dig in so much.
@@ -41,8 +33,7 @@ const FAR_DEEPER: f64 = 3.0;
 const DUG: f64 = 0.01;
 
 /// Contacts of regions that are far deeper than the contacts that are known of them, in the pair's
-/// frame. Empty in special positions: faces that are flush have dug in
-/// nowhere.
+/// frame. Empty in special positions: faces that are flush have dug in nowhere.
 pub(super) fn contacts_of_walls(
     pair: &Pair,
     meeting: &[FacePair],
@@ -65,9 +56,8 @@ pub(super) fn contacts_of_walls(
         if !has_sharp_node(pair, &intersection, pieces) {
             continue;
         }
-        let of_region = known.iter().filter(|contact| is_of(contact, pieces)).copied();
-        let of_region: Vec<Contact> = of_region.collect();
-        let depth = of_region.iter().map(|contact| -contact.separation).fold(0.0, f64::max);
+        let of_region = known.iter().filter(|contact| is_of(contact, pieces));
+        let depth = of_region.map(|contact| -contact.separation).fold(0.0, f64::max);
         let shallow = least.max(FAR_DEEPER * depth);
         if width(pair, &intersection, pieces, normal) <= shallow {
             continue;
@@ -89,11 +79,9 @@ pub(super) fn contacts_of_walls(
         {
             continue;
         }
-        let out = pushing_direction(pair, &region, &own, &of_region, shallow);
-        let Some(deepest) = deepest_along(&region, out, f64::INFINITY) else { continue };
-        let mut all = depths_along(&region, out).all;
-        all.retain(|contact| contact.id != deepest.id);
-        all.push(deepest);
+        let mut all = depths_along(&region, normal).all;
+        all.retain(|contact| contact.id != own.id);
+        all.push(own);
         found.extend(reduce(all));
     }
     found
@@ -105,26 +93,26 @@ fn is_pierced_sharply(pair: &Pair, faces: &FacePair) -> bool {
     faces.crossing.is_some_and(|crossing| {
         crossing.ends.iter().any(|end| {
             let owner = usize::from(end.owner);
-            let side = Side::BOTH[owner];
-            is_sharp(pair, side, pair.edge(side, of[owner], usize::from(end.edge)))
+            is_sharp(pair, Side::BOTH[owner], of[owner], usize::from(end.edge))
         })
     })
 }
 
 fn has_sharp_node(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) -> bool {
-    let nodes = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
-    nodes.into_iter().any(|node| match intersection.nodes[node].features {
-        (Feature::Edge(e), _) => is_sharp(pair, Side::First, e),
-        (_, Feature::Edge(e)) => is_sharp(pair, Side::Second, e),
+    let mut nodes = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
+    let is_sharp = |side: Side, edge: EdgeId| {
+        let along = pair.topology(side).half_edges(edge).first();
+        along.is_some_and(|h| is_sharp(pair, side, h.face(), h.corner()))
+    };
+    nodes.any(|node| match intersection.nodes[node].features {
+        (Feature::Edge(e), _) => is_sharp(Side::First, e),
+        (_, Feature::Edge(e)) => is_sharp(Side::Second, e),
         _ => false,
     })
 }
 
-fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
-    let mut faces = pair.topology(side).half_edges(edge).iter().map(|h| h.face());
-    let (Some(f), Some(g)) = (faces.next(), faces.next()) else { return false };
-    let [n, m] = [f, g].map(|face| pair.mesh(side).area_vector(face));
-    n.dot(m) <= SHARP * (n.length_squared() * m.length_squared()).sqrt()
+fn is_sharp(pair: &Pair, side: Side, face: FaceId, edge: usize) -> bool {
+    pair.model(side).clusters().owned(face).sharp >> edge & 1 != 0
 }
 
 /// How wide a region is along a direction: no depth along it is larger.
@@ -135,9 +123,7 @@ fn width(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces, normal
         let vertices = pieces.pieces[side.index()].vertices.iter();
         vertices.map(move |&v| pair.position(side, v))
     });
-    let heights = on_curves.chain(inside).map(|p| p.dot(normal));
-    let (low, high) = heights
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    let (low, high) = range(on_curves.chain(inside).map(|p| p.dot(normal)));
     high - low
 }
 

@@ -184,15 +184,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         for (i, j) in self.joins {
             sets.union(i, j);
         }
-        let mut regions: Vec<Vec<Contact>> = Vec::new();
-        let mut region_of_root = HashMap::new();
-        for (index, contact) in self.contacts.into_iter().enumerate() {
-            let region = *region_of_root.entry(sets.find(index)).or_insert(regions.len());
-            if region == regions.len() {
-                regions.push(Vec::new());
-            }
-            regions[region].push(contact);
-        }
-        regions
+        let of_group = |group: Vec<usize>| group.into_iter().map(|i| self.contacts[i]).collect();
+        sets.groups().into_iter().map(of_group).collect()
     }
 }

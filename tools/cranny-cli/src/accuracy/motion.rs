@@ -15,7 +15,7 @@ use super::visits::centers;
 use crate::failure::Failure;
 use crate::pose_file::PosePair;
 use crate::progress;
-use crate::run::failure;
+use crate::simulation::failure;
 
 /// Steps of a scene whose poses are taken, at most; of a longer run they are stretches, evenly
 /// spread. Fewer: rare events of a run are not seen; more: exact answers at all of them take

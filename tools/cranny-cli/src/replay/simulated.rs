@@ -6,11 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
-use cranny_ecs::{
-    ContactFields, PluginOptions, Replay, ReplayFrame, RunOptions, SceneApp, helices, rings,
-};
+use cranny_ecs::{Replay, ReplayFrame, RunOptions};
 use cranny_estimate::Accuracy;
 use cranny_exact::Pose;
 use cranny_rapier::Detector;
@@ -21,9 +18,8 @@ use cranny_world::description::SceneDescription;
 use crate::args::{SetArgs, level};
 use crate::failure::Failure;
 use crate::overlaps;
-use crate::progress::RunProgress;
-use crate::run::{failure, stop_flag};
 use crate::scene_file::load;
+use crate::simulation::{failure, plugins};
 
 /// What another run made of the recorded frames.
 pub(super) struct SimulatedAgain {
@@ -70,13 +66,7 @@ pub(super) fn simulate(
     let again = folder.path().join("again.mcap");
     let last = frames.last().map_or(0.0, |frame| frame.time);
     let options = RunOptions {
-        plugins: PluginOptions {
-            detector: settings.detector,
-            helices: helices(&scene),
-            rings: rings(&scene),
-            contact_fields: ContactFields::NONE,
-            ..PluginOptions::default()
-        },
+        plugins: plugins(&scene, settings.detector),
         step: Some(settings.step),
         duration: Some((last / settings.step).round() * settings.step),
         accuracy,
@@ -85,17 +75,11 @@ pub(super) fn simulate(
         source: Some(scene.source_text.clone()),
         ..RunOptions::default()
     };
-    let stop = stop_flag();
-    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
-    let progress = RunProgress::new(app.steps_total(), settings.step);
-    while app.step().map_err(failure)? {
-        if stop.load(Ordering::Relaxed) {
-            return Err(Failure::run("interrupted before the end: nothing was compared"));
-        }
-        progress.set(app.steps_done());
-    }
-    app.finish().map_err(failure)?;
+    let (summary, progress) = crate::simulation::simulate(&scene.description, &options, failure)?;
     progress.clear();
+    if summary.interrupted {
+        return Err(Failure::run("interrupted before the end: nothing was compared"));
+    }
     let again = Recording::open(&again).map_err(Failure::run)?;
     compared(recorded, &again, frames)
 }

@@ -43,9 +43,12 @@ impl<'a> Artist<'a> {
             .into_iter()
             .map(|i| {
                 let moment = self.replay.moment(&frames[i]);
-                self.replay.dress(&mut painter, &frames[i]).map_err(crate::run::failure)?;
+                self.replay.dress(&mut painter, &frames[i]).map_err(crate::simulation::failure)?;
                 let image = painter.draw(&mut self.renderer, &moment, view, STRIP_SIZE);
-                let png = image.map_err(crate::run::failure)?.encode_png().map_err(Failure::run)?;
+                let png = image
+                    .map_err(crate::simulation::failure)?
+                    .encode_png()
+                    .map_err(Failure::run)?;
                 Ok(Picture { png, caption: format!("{:.3} s", frames[i].time) })
             })
             .collect()
@@ -60,7 +63,7 @@ impl<'a> Artist<'a> {
         let mut painter = self.painter(&alone, view, CLOSE_UP_SIZE)?;
         let moment = self.replay.moment(&alone);
         let image = painter.draw(&mut self.renderer, &moment, view, CLOSE_UP_SIZE);
-        image.map_err(crate::run::failure)?.encode_png().map_err(Failure::run)
+        image.map_err(crate::simulation::failure)?.encode_png().map_err(Failure::run)
     }
 
     fn painter(
@@ -70,7 +73,7 @@ impl<'a> Artist<'a> {
         size: [u32; 2],
     ) -> Result<ScenePainter, Failure> {
         let scene = self.replay.scene(frame);
-        let size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
-        ScenePainter::new(&scene, size, PictureQuality::Normal).map_err(crate::run::failure)
+        let size = ScenePainter::camera_size(view, size).map_err(crate::simulation::failure)?;
+        ScenePainter::new(&scene, size, PictureQuality::Normal).map_err(crate::simulation::failure)
     }
 }
