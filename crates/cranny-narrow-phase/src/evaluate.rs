@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::answer::{Answer, Contact, Counters, Region, Surface};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
-use crate::containment::{Solidity, solidity};
+use crate::containment::solidity;
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
@@ -268,22 +268,26 @@ fn contacts(
 ) -> Answer {
     let mut out = Answer::nothing();
     coherent.begin(pair);
-    if parting.gap(pair, wanted.farthest(), counters) > wanted.farthest() {
+    let gap = parting.gap(pair, wanted.farthest(), counters);
+    if gap > wanted.farthest() {
         coherent.let_go();
         memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
         out.counters = *counters.counters();
         return out;
     }
-    let near = near_patches(pair, wanted, (coherent, memory), counters);
+    let near = near_patches(pair, (wanted, gap > 0.0), (coherent, memory), counters);
     out.surface = near.surface;
     out.triangle_pairs = near.meeting.len() as u32;
-    let Solidity { solid, contained } =
-        coherent.solidity(pair, out.surface, &near.meeting, counters);
-    (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
+    if gap == 0.0 {
+        let found = coherent.solidity(pair, out.surface, &near.meeting, counters);
+        out.solid = found.solid;
+        out.contained = found.contained.map(|c| pair.ordered_containment(c));
+    }
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let mut measured = None;
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
+    let solid = out.solid;
     if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.

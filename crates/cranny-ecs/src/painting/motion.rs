@@ -155,3 +155,52 @@ fn push_velocities(list: &mut DrawList, speeds: &[(DVec3, DVec3)], longest: f64)
 fn middle(coat: &Coat, pose: &Pose) -> DVec3 {
     pose.world_from_body().apply(coat.mesh.bounds().center())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_shapes::Cuboid;
+    use cranny_world::description::{BodyDescription, BodyKind, Material, Normals};
+
+    fn cube(size: f64) -> BodyDescription {
+        BodyDescription {
+            name: "cube".into(),
+            collision: Arc::new(Cuboid { size: [size; 3] }.build().unwrap()),
+            shape: None,
+            visual: None,
+            color: None,
+            kind: BodyKind::Dynamic,
+            pose: Pose::IDENTITY,
+            linear_velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+            path: None,
+            tracker: None,
+            material: Material::default(),
+            mass: None,
+            normals: Normals::default(),
+            sensor: false,
+            layers: Vec::new(),
+            effects: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_ghost_has_the_shape_that_the_body_had_there() {
+        let (id, mut coats, mut trails) = (BodyId(0), Coats::default(), Trails::default());
+        let at = |time: f64| Pose::at(10.0 * time * DVec3::X);
+        for time in [0.0, 1.0, 2.0, 3.0, 4.0] {
+            if time == 0.0 || time == 2.0 {
+                coats.put_described(id, &cube(1.0 + time)).unwrap();
+            }
+            trails.note(time, &BTreeMap::from([(id, at(time))]), &coats);
+        }
+        let mut list = DrawList::default();
+        push_ghosts(&mut list, (id, coats.get(id).unwrap()), &trails, &trails.of(id));
+        let ghost = |ghost: &Instance| {
+            let size = ghost.mesh.bounds().diagonal() / 3f64.sqrt();
+            (ghost.pose.translation.x, size.round())
+        };
+        let ghosts: Vec<(f64, f64)> = list.instances.iter().map(ghost).collect();
+        assert_eq!(ghosts, [(30.0, 3.0), (20.0, 3.0), (10.0, 1.0), (0.0, 1.0)]);
+    }
+}

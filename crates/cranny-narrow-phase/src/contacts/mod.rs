@@ -77,60 +77,53 @@ pub(crate) struct Near {
 }
 
 /// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
+/// Of surfaces that are known to be parted, none meet.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
 /// solids overlap, a search of one nearest point for each vertex inside.
 pub(crate) fn near_patches(
     pair: &Pair,
-    wanted: &Wanted,
+    (wanted, are_parted): (&Wanted, bool),
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
     counters: &mut impl Tally,
 ) -> Near {
     let coarse = Coarse::of(pair);
-    let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
-    let left_to_regions = surface == Meeting::Cross && overlaps_by_regions(pair.models());
+    let (surface, meeting) = match are_parted {
+        true => {
+            memory.list(pair, wanted, coherent, counters);
+            (Surface::None, Vec::new())
+        }
+        false => memory.search(pair, wanted, coherent, counters),
+    };
+    let crosses = surface == Meeting::Cross;
+    let left_to_regions = crosses && overlaps_by_regions(pair.models());
+    let mut deep = match crosses && !left_to_regions {
+        true => Overlaps::of(pair, coarse, &meeting, counters),
+        false => Overlaps::none(pair, coarse),
+    };
     let mut contacts = Vec::new();
-    if surface == Meeting::Cross {
-        let mut deep = match left_to_regions {
-            true => Overlaps::none(pair, coarse),
-            false => Overlaps::of(pair, coarse, &meeting, counters),
-        };
-        memory.each_group(pair, wanted, counters, |group| {
-            let mut of_group = deep.take(group.patches());
-            if coarse.holds(pair, group.patches()) {
-                group.all(&mut of_group);
-                contacts.extend(reduce(of_group));
-            } else if of_group.is_empty() {
-                contacts.extend(group.nearest());
-            } else {
-                contacts.extend(of_group);
-            }
-        });
-        for (patches, group) in deep.rest() {
-            if coarse.holds(pair, patches) {
-                contacts.extend(reduce(group));
-            } else {
-                contacts.extend(group);
-            }
+    memory.each_group(pair, wanted, counters, |group| {
+        let mut of_group = deep.take(group.patches());
+        if coarse.holds(pair, group.patches()) {
+            group.all(&mut of_group);
+            contacts.extend(reduce(of_group));
+        } else if of_group.is_empty() {
+            contacts.extend(group.nearest());
+        } else {
+            contacts.extend(of_group);
         }
-        if !left_to_regions {
-            let overlapping: Vec<Contact> =
-                contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
-            // Where penetrations are wanted, they say how deep regions are.
-            if !overlapping.iter().any(|contact| wanted.is_deep(contact)) {
-                contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
-            }
+    });
+    for (patches, group) in deep.rest() {
+        let spans = coarse.holds(pair, patches);
+        contacts.extend(if spans { reduce(group) } else { group });
+    }
+    if crosses && !left_to_regions {
+        let overlapping: Vec<Contact> =
+            contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
+        // Where penetrations are wanted, they say how deep regions are.
+        if !overlapping.iter().any(|contact| wanted.is_deep(contact)) {
+            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
         }
-    } else {
-        memory.each_group(pair, wanted, counters, |group| {
-            if coarse.holds(pair, group.patches()) {
-                let mut all = Vec::new();
-                group.all(&mut all);
-                contacts.extend(if all.len() > 1 { reduce(all) } else { all });
-            } else {
-                contacts.extend(group.nearest());
-            }
-        });
     }
     contacts.sort_by(nearer);
     Near { surface, meeting, contacts, left_to_regions }

@@ -141,15 +141,40 @@ fn another_floor_or_another_setting_is_noticed_where_it_is_simulated_again() {
     assert!(outcome.stderr.contains(" poses or shapes"), "{outcome:?}");
 }
 
+/// A box that comes down on a floor, and a trigger.
+fn gate() -> String {
+    DROP.replace("Response(), Contacts(margin: 0.01)", "Trigger()").replace(
+        "velocity: (angular: (0.3, 0.2, 0.5))",
+        "kind: Kinematic, velocity: (linear: (0, 0, -0.5))",
+    )
+}
+
+#[test]
+fn an_event_that_does_not_come_again_is_named() {
+    let folder = Folder::new();
+    let floor = |size| cranny_shapes::Cuboid { size: [4.0, 4.0, size] }.build().unwrap();
+    folder.mesh("floor.obj", &floor(1.0));
+    let text = gate().replace("Generator(Cuboid(size: (4, 4, 1)))", "Mesh(path: \"floor.obj\")");
+    let (scene, path) = (folder.write("gate.ron", text), argument(&folder.path("gate.mcap")));
+    assert_eq!(run(&["run", &scene, "--record", &path]).code, Some(0));
+    let again = ["replay", &path, "--scene", &scene];
+    let same = run(&again);
+    assert_eq!(same.code, Some(0), "{same:?}");
+    assert!(same.stdout.contains("0 different, 1 event"), "{same:?}");
+    // The box does not come down so far.
+    folder.mesh("floor.obj", &floor(0.01));
+    let outcome = run(&again);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stdout.contains("the first other event at 0."), "{outcome:?}");
+    assert!(outcome.stdout.contains("of box and floor"), "{outcome:?}");
+    assert!(outcome.stderr.contains("65 poses or shapes and events"), "{outcome:?}");
+}
+
 /// A level from the command line, and events at it.
 #[test]
 fn a_run_at_another_level_is_simulated_again_at_that() {
     let folder = Folder::new();
-    let gate = DROP.replace("Response(), Contacts(margin: 0.01)", "Trigger()").replace(
-        "velocity: (angular: (0.3, 0.2, 0.5))",
-        "kind: Kinematic, velocity: (linear: (0, 0, -0.5))",
-    );
-    let (scene, path) = (folder.write("gate.ron", gate), argument(&folder.path("gate.mcap")));
+    let (scene, path) = (folder.write("gate.ron", gate()), argument(&folder.path("gate.mcap")));
     let record = ["run", &scene, "--record", &path, "--accuracy", "boxes"];
     assert_eq!(run(&record).code, Some(0));
     let outcome = run(&["replay", &path, "--scene", &scene, "--format", "json"]);
