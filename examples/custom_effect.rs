@@ -1,5 +1,5 @@
 //! An effect of an app's own: whatever is hit too hard breaks. It is a plugin that reads what
-//! `Trigger` reports, in a set of its own; bodies ask for it by a component. z is up.
+//! `Trigger` reports, in a set of its own; bodies get it by a component. z is up.
 //!
 //! `cargo run --example custom_effect --features ecs,rapier`
 

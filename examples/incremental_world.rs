@@ -1,5 +1,5 @@
 //! Three balls fly past a ring: one through its hole without touching it, one against it, and one
-//! so far beside it that the pair is never asked about. The world tells what began and what ended.
+//! so far beside it that the pair is never queried. The world reports what began and what ended.
 //!
 //! `cargo run --example incremental_world`
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ball = model(Sphere { radius: 0.4, ..Sphere::default() }.build()?)?;
 
     let mut world = World::new();
-    // Whether bodies touch is asked of all pairs; where and how deep, of one of them only.
+    // All pairs report whether they touch; only one of them also where and how deep.
     world.set_scene_effects(&[Effect::TRIGGER])?;
     let ring =
         world.insert(BodySpec { kind: BodyKind::Fixed, ..BodySpec::new("ring", ring.clone()) })?;

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arch = Collider::from_mesh(arch.build()?)?;
 
     let mut app = App::new();
-    app.add_plugins(CrannyPlugins::new(1.0 / 60.0)?); // no effect: nothing runs but what is asked
+    app.add_plugins(CrannyPlugins::new(1.0 / 60.0)?); // no effect: nothing runs but queries
     let world = app.world_mut();
     world.spawn((Name::new("wall"), wall, Transform::from_xyz(10.0, 0.0, 1.5)));
     let upright = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for x in [1.5, 1.6, 1.69, 1.72, 1.75] {
         let second =
             Placed { model: &link, pose: Pose { rotation, translation: DVec3::new(x, 0.0, 0.0) } };
-        // Regions cost more than a verdict, so they are asked for only where there are any.
+        // Regions cost more than a verdict, so they are queried only where there are any.
         let distance = Query::of(Demand::Distance { below: None });
         let answer = query(first, second, &distance, &mut memory)?;
         let gap = answer.distance.unwrap_or_default();

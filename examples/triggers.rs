@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut app = App::new();
     app.add_plugins(TimePlugin);
     let cranny = CrannyPlugins::new(STEP)?.effects(&[Effect::Response])?;
-    app.add_plugins(cranny.available(&[EffectKind::Trigger])?); // only sensors ask
+    app.add_plugins(cranny.available(&[EffectKind::Trigger])?); // only sensors have it
     app.add_plugins(FixedUpdatePlugin).init_resource::<Score>();
     let world = app.world_mut();
     world.spawn((RigidBody::Fixed, Collider::from_mesh(hoop)?));

@@ -17,7 +17,7 @@
 //!
 //! # The story, file by file
 //!
-//! The method is that of Ponamgi, Manocha and Lin (1997). **Before bodies move**, `features` tell
+//! The method is that of Ponamgi, Manocha and Lin (1997). **Before bodies move**, `features` find
 //! which faces lie on the hull. `caps` close what they leave open, along closed chains of edges
 //! (`boundary`). `concavity` joins faces off the hull and caps to concavities with lids, loops,
 //! sizes, and trees, and `envelope` wraps each in convex layers.

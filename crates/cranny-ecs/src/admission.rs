@@ -243,7 +243,7 @@ fn described(
     Ok((record, BodyEffects { effects, kind, layers, sensor }))
 }
 
-/// Fails if a number of a primitive is invalid, or something that is asked about it needs a mesh.
+/// Fails if a number of a primitive is invalid, or if an effect or smooth normals need a mesh.
 fn check_primitive<'a>(
     shape: &BodyShape,
     mut effects: impl Iterator<Item = &'a Effect>,

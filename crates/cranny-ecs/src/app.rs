@@ -44,7 +44,7 @@ pub struct RunOptions {
     pub pictures: crate::rendering::PictureOptions,
 }
 
-/// A scene with everything that it asks for, stepped by hand.
+/// A scene with everything that it names, stepped by hand.
 ///
 /// No clock drives it: each [`step`](Self::step) advances by the scene's step, as fast as it can.
 ///
@@ -420,7 +420,7 @@ fn add_recording(
     Ok(plugins.with_recording(recorder, scene.record.every))
 }
 
-/// Effects that a scene asks for, anywhere, each once.
+/// Effects that a scene names, anywhere, each once.
 #[cfg(feature = "record")]
 fn effect_names(scene: &SceneDescription) -> String {
     let kinds: std::collections::BTreeSet<_> =

@@ -162,7 +162,7 @@ impl Bodies {
         self.records.get(&body)
     }
 
-    /// The entity of a body; of one that left, until a step has told of it.
+    /// The entity of a body; of one that left, until a step has reported its departure.
     pub(crate) fn entity(&self, body: BodyId) -> Option<Entity> {
         let present = self.get(body).map(|record| record.entity);
         present.or_else(|| self.departed(body).map(|(entity, _)| *entity))
@@ -179,8 +179,8 @@ impl Bodies {
         self.records.iter().map(|(&id, record)| (id, record))
     }
 
-    /// The name of a body; of one that left, until a step has told of it. Empty for an id that no
-    /// body has.
+    /// The name of a body; of one that left, until a step has reported its departure. Empty for an
+    /// id that no body has.
     #[must_use]
     pub fn name(&self, body: BodyId) -> &str {
         let departed = || self.departed(body).map(|(_, name)| name);

@@ -28,13 +28,13 @@ pub struct CrannyEnd;
 pub enum StepSystems {
     /// What was spawned becomes bodies, and changes of bodies are passed on.
     Admit,
-    /// What others moved is told to whoever keeps poses of their own.
+    /// Systems that keep poses of their own take over what others moved.
     Sync,
     /// The solver finds contacts and the poses at the end of the step, and keeps them to itself.
     Solve,
     /// Pairs are detected.
     Detect,
-    /// What was found is told: resources, components, messages, events, sums.
+    /// What was found is reported: resources, components, messages, events, sums.
     Report,
     /// Frames are recorded.
     Record,

@@ -1,4 +1,4 @@
-//! `Contacts`: points, curves and regions of pairs that are asked for them.
+//! `Contacts`: points, curves and regions of the pairs that have this effect.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Add, Remove};

@@ -29,7 +29,7 @@ use crate::readers::ContactReaders;
 use crate::tally::Tally;
 use crate::trigger::TriggerSystems;
 
-/// The systems of detection. They belong to the effects that ask for it, and are in their sets.
+/// The systems of detection. They belong to the effects that need it, and are in their sets.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DetectionSystems {
     /// Transforms to the world's poses.
@@ -75,7 +75,7 @@ pub struct Detected {
 
 /// Puts the [`Detector`] in.
 pub(crate) struct DetectionPlugin {
-    /// What is asked about all bodies.
+    /// Effects of the scene, for all bodies.
     scene: Vec<Effect>,
     accuracy: Accuracy,
     budget: Option<u64>,
@@ -149,7 +149,7 @@ impl Plugin for DetectionPlugin {
                     DetectionSystems::Tally.in_set(StepSystems::Report),
                 ),
             );
-            // The systems belong to whoever asks for them.
+            // The systems belong to every effect that needs them.
             let [poses, supply, pairs, tally] = DetectionSystems::ALL;
             let all = || (poses, supply, pairs, tally);
             if self.trigger {
@@ -304,7 +304,7 @@ fn take_in(
     failure.note(taken);
 }
 
-/// Tells the world what is asked about pairs, where that changed.
+/// Hands the world the effects of pairs, their levels and which never meet, where these changed.
 fn relate_pairs(
     effects: Res<EffectTable>,
     mut detector: ResMut<Detector>,

@@ -1,8 +1,8 @@
-//! What each phase of a step and each effect costs, for whoever asks.
+//! What each phase of a step and each effect costs, in an app that adds [`DiagnosticsPlugin`].
 //!
-//! Phases run one after the other, so marks between them tell their costs to the last system. An
-//! effect's cost is that of its own systems in the report: what it makes others do (detection, the
-//! solver's step, a second query there) is in their phases, where effects share it.
+//! Phases run one after the other, so marks between them give their costs, down to the last system.
+//! An effect's cost is that of its own systems in the report: what it makes others do (detection,
+//! the solver's step, a second query there) is in their phases, where effects share it.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -111,7 +111,7 @@ impl Plugin for DiagnosticsPlugin {
     }
 }
 
-/// Measures a system of an effect's, where somebody asks for it.
+/// Measures a system of an effect's, where the app has [`StepDiagnostics`].
 #[derive(SystemParam)]
 pub(crate) struct Stopwatch<'w> {
     costs: Option<ResMut<'w, StepDiagnostics>>,

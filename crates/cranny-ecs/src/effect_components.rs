@@ -102,7 +102,7 @@ pub struct Tracking {
     pub tolerance: f64,
 }
 
-/// What the components of an entity ask for.
+/// The effects that the components of an entity name.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let levels = entity.get::<EffectAccuracy>().copied().unwrap_or_default();
     let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger { accuracy: levels.trigger });
@@ -127,9 +127,9 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     of_detection.into_iter().chain(of_response).flatten().collect()
 }
 
-/// Makes an entity ask for some effects more. Of two lengths and of two stiffnesses the larger
-/// counts, of two thresholds and two hardnesses the smaller, of two levels the more exact; what
-/// states none is then at the app's, also in a pair that states another one.
+/// Gives an entity some effects more. Of two lengths and of two stiffnesses the larger counts, of
+/// two thresholds and two hardnesses the smaller, of two levels the more exact; what states none is
+/// then at the app's, also in a pair that states another one.
 pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     for effect in effects {
         match *effect {

@@ -88,7 +88,7 @@ impl EffectKind {
     }
 }
 
-/// Who asks for an effect.
+/// Where an effect comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AskedBy {
     /// The scene, for all bodies.
@@ -116,13 +116,13 @@ pub struct EffectTable {
     /// Levels of single pairs.
     levels: BTreeMap<Pair, Accuracy>,
     excluded: BTreeSet<Pair>,
-    /// Bodies that ask for `Response` themselves.
+    /// Bodies that name `Response` themselves.
     responding: BTreeSet<BodyId>,
-    /// Counts changes of what is asked about bodies that were there before, and of pairs.
+    /// Counts changes of [`BodyEffects`] of bodies that were there before, and of pairs.
     revision: u64,
 }
 
-/// What decides which pairs of a body may meet, and what is asked about them.
+/// What decides which pairs of a body may meet, and with which effects.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct BodyEffects {
     pub(crate) effects: Vec<Effect>,
@@ -133,7 +133,7 @@ pub(crate) struct BodyEffects {
 
 impl EffectTable {
     /// Of no bodies yet, with effects for all that will come; `plugged` are those that bodies and
-    /// pairs may ask for besides.
+    /// pairs may name besides.
     pub(crate) fn new(scene: &[Effect], plugged: impl IntoIterator<Item = EffectKind>) -> Self {
         let of_scene = scene.iter().filter_map(EffectKind::of);
         let plugged = of_scene.chain(plugged).collect();
@@ -145,7 +145,7 @@ impl EffectTable {
         Self { accuracy, budget, ..self }
     }
 
-    /// Takes in what a body asks for, in place of what it asked for before.
+    /// Takes in the effects of a body, in place of those that it had before.
     ///
     /// Fails, and leaves out, if the app has no plugin of an effect.
     pub(crate) fn put_body(
@@ -201,12 +201,12 @@ impl EffectTable {
         effects.iter().find(|effect| !has(effect)).map(Effect::name)
     }
 
-    /// Changes with what is asked about bodies and pairs; not with bodies that come and go.
+    /// Changes with the effects of bodies and pairs; not with bodies that come and go.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// What a body asks for, and which others it may meet.
+    /// The effects of a body, and what decides which others it may meet.
     pub(crate) fn body(&self, body: BodyId) -> Option<&BodyEffects> {
         self.bodies.get(&body)
     }
@@ -217,8 +217,8 @@ impl EffectTable {
         self.plugged.contains(&kind)
     }
 
-    /// Whether a body has a part in some response: what asks for it is the scene, the body, a pair
-    /// of its, or another body that it may meet.
+    /// Whether a body has a part in some response: the scene, the body, a pair of its, or another
+    /// body that it may meet names `Response`.
     pub(crate) fn responds(&self, body: BodyId) -> bool {
         let is_response = |effects: &[Effect]| effects.contains(&Effect::Response);
         if is_response(&self.scene) || self.responding.contains(&body) {
@@ -231,7 +231,8 @@ impl EffectTable {
             || self.responding.iter().any(|&other| self.may_meet(body, other))
     }
 
-    /// Whether the scene, a body or one of its pairs asks that the body passes through nothing.
+    /// Whether the scene, a body or one of its pairs names `Continuous`, so that the body passes
+    /// through nothing.
     pub(crate) fn is_continuous(&self, body: BodyId) -> bool {
         let names = |effects: &[Effect]| effects.contains(&Effect::Continuous);
         let of_pair = |(pair, effects): (&Pair, &Vec<Effect>)| {
@@ -334,8 +335,8 @@ impl EffectTable {
         }
     }
 
-    /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet;
-    /// without `Response` and `ForceFeedback` if one of the two is a sensor.
+    /// The effects of a pair, each with where it comes from; the scene's first. Empty if it may not
+    /// meet; without `Response` and `ForceFeedback` if one of the two is a sensor.
     pub fn of_pair(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = (&Effect, AskedBy)> {
         let own: &[Effect] = self.pairs.get(&ordered(a, b)).map_or(&[], |effects| effects);
         let scene = self.scene.iter().map(|e| (e, AskedBy::Scene));
@@ -349,13 +350,14 @@ impl EffectTable {
         all.filter(move |(effect, _)| meets && !(sensor && effect.pushes()))
     }
 
-    /// Whether a pair is asked for an effect.
+    /// Whether a pair has an effect.
     #[must_use]
     pub fn asks(&self, kind: EffectKind, a: BodyId, b: BodyId) -> bool {
         self.of_pair(a, b).any(|(effect, _)| EffectKind::of(effect) == Some(kind))
     }
 
-    /// The distance up to which a pair's distance is reported; `None` where nobody asks for it.
+    /// The distance up to which a pair's distance is reported; `None` for a pair without
+    /// `Proximity`.
     #[must_use]
     pub fn proximity(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let distances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
@@ -365,7 +367,8 @@ impl EffectTable {
         distances.reduce(f64::max)
     }
 
-    /// The margin up to which contacts of a pair are reported; `None` where nobody asks for any.
+    /// The margin up to which contacts of a pair are reported; `None` for a pair without
+    /// `Contacts`.
     #[must_use]
     pub fn contact_margin(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let margins = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
@@ -375,8 +378,8 @@ impl EffectTable {
         margins.reduce(f64::max)
     }
 
-    /// The tolerance within which contacts of a pair neither begin nor end: of those that ask for
-    /// `Trigger` and `Tracking`; `None` for others.
+    /// The tolerance within which contacts of a pair neither begin nor end: of those with `Trigger`
+    /// and `Tracking`; `None` for others.
     #[must_use]
     pub fn tracked(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let tolerances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
@@ -386,7 +389,7 @@ impl EffectTable {
         tolerances.reduce(f64::max).filter(|_| self.asks(EffectKind::Trigger, a, b))
     }
 
-    /// The speed above which a pair is heard; `None` where nobody asks for it.
+    /// The speed above which a pair is heard; `None` for a pair without `Sound`.
     #[must_use]
     pub fn heard_above(&self, a: BodyId, b: BodyId) -> Option<f64> {
         let speeds = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
@@ -396,7 +399,7 @@ impl EffectTable {
         speeds.reduce(f64::min)
     }
 
-    /// How a body yields to another one; `None` where nobody asks that it does.
+    /// How a body yields to another one; `None` where no `Deformation` says that it does.
     #[must_use]
     pub fn yielding(&self, body: BodyId, to: BodyId) -> Option<Deformation> {
         let asked = self.of_pair(body, to).filter_map(|(effect, by)| match *effect {
@@ -408,8 +411,8 @@ impl EffectTable {
         asked.reduce(softer)
     }
 
-    /// How stiff a body that somebody moves feels another one; `None` where nobody asks for it, or
-    /// the body is not kinematic.
+    /// How stiff a body that somebody moves feels another one; `None` for a pair without
+    /// `ForceFeedback`, and for a body that is not kinematic.
     #[must_use]
     pub fn felt_stiffness(&self, body: BodyId, other: BodyId) -> Option<f64> {
         let kinematic = self.bodies.get(&body).is_some_and(|b| b.kind == BodyKind::Kinematic);

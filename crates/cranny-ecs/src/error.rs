@@ -83,7 +83,7 @@ pub enum SceneAppError {
     /// An effect that works on what another one does, which the app does not have.
     #[error("{effect} needs {needs}: name {needs} too, or leave {effect} out")]
     NeedsEffect {
-        /// The effect asked for.
+        /// The effect that needs another one.
         effect: &'static str,
         /// The one that is missing.
         needs: &'static str,
@@ -178,7 +178,7 @@ pub enum SceneAppError {
         "{what} needs the feature `{feature}` of cranny-ecs, which this program was built without"
     )]
     MissingFeature {
-        /// What was asked for.
+        /// What needs the feature.
         what: &'static str,
         /// The Cargo feature.
         feature: &'static str,
@@ -193,7 +193,7 @@ pub enum SceneAppError {
         /// What is wrong.
         why: &'static str,
     },
-    /// More layers than a solver can tell apart.
+    /// More layers than a solver can distinguish.
     #[error(
         "the scene's bodies name {count} layers, but the solver tells at most {limit} apart: merge some"
     )]
@@ -258,7 +258,7 @@ pub enum SceneAppError {
     /// An output that would destroy what is there, or another output.
     #[error("{}: nothing is written there: {why}. Choose another path", path.display())]
     OutputInTheWay {
-        /// The output asked for.
+        /// The requested output.
         path: PathBuf,
         /// What stands there.
         why: String,

@@ -15,8 +15,9 @@ use crate::solved::Known;
 /// the solver gets of their contacts. A system parameter, so it reads components and resources as a
 /// system does; [`CrannyPlugins::hooks`](crate::CrannyPlugins::hooks) puts it in.
 ///
-/// A step may be made in parts, and each asks anew. Equal states must lead to equal decisions, or
-/// else a run cannot be repeated. A pair at rest sleeps: nobody asks about it until it wakes.
+/// A step may be made in parts, and each decides anew. Equal states must lead to equal decisions,
+/// or else a run cannot be repeated. A pair at rest sleeps: nothing is decided about it until it
+/// wakes.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;
@@ -128,7 +129,7 @@ impl SolverContacts<'_, '_> {
 /// Decides nothing.
 impl CollisionHooks for () {}
 
-/// Who decides while the solver makes a step: what is asked about pairs, and an app's hooks.
+/// What decides while the solver makes a step: the effects of pairs, and an app's hooks.
 pub(crate) struct Deciding<'a, H> {
     pub(crate) hooks: &'a H,
     pub(crate) effects: &'a EffectTable,

@@ -5,7 +5,7 @@
 //! - **A body is an entity with a [`Collider`]**, spawned, changed and despawned in any schedule,
 //!   before and while the app runs. What is written counts in the next step; what is removed is
 //!   gone at once. A scene is one more way to spawn such entities ([`SpawnScene`]).
-//! - **Only what the scene asks for exists.** An effect that it does not name has no system in the
+//! - **Only what the scene names exists.** An effect that it does not name has no system in the
 //!   schedules, no registered component, no message and no resource ([`Plan`] reads this from the
 //!   app itself).
 //! - **`Transform` is the truth** about where a body is. Queries, recordings and pictures read it

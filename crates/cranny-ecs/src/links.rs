@@ -2,7 +2,8 @@
 //! seen.
 //!
 //! A solver and its detector may let a thin link slip through another within a step; afterwards
-//! nothing overlaps and no energy is wrong. The linking number of the centre circles tells.
+//! nothing overlaps and no energy is wrong. The linking number of the centre circles shows the
+//! slip.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -22,7 +22,7 @@ use crate::properties::AngularVelocity;
 /// Right-handed about +z of the bolt's frame; so both threads must have their axes along z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Helix {
-    /// The body whose frame the motion is told in.
+    /// The body in whose frame the motion is given.
     pub bolt: String,
     /// The body that moves along it.
     pub nut: String,
@@ -45,7 +45,7 @@ pub struct BodyMotion {
 /// Motion of a pair that is meant to follow a [`Helix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HelixMotion {
-    /// Whose frame it is told in.
+    /// In whose frame it is given.
     pub bolt: BodyId,
     /// What moves.
     pub nut: BodyId,
@@ -112,7 +112,7 @@ impl MotionLog {
         self.region.grown(self.region.diagonal())
     }
 
-    /// Of each pair on a helix, in the order in which they were asked for.
+    /// Of each pair on a helix, in the order in which they were given.
     pub fn helices(&self) -> impl ExactSizeIterator<Item = HelixMotion> {
         self.helices.iter().map(|helix| helix.motion)
     }

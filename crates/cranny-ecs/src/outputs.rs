@@ -1,4 +1,4 @@
-//! Whether outputs can be written, asked before anything is simulated.
+//! Whether outputs can be written, checked before anything is simulated.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ pub(crate) fn probe_file(path: &Path) -> Result<(), SceneAppError> {
         .map_err(|error| refused(path, &error))
 }
 
-/// Makes a folder, with those above it, unless it exists; and asks whether files can be made in it.
+/// Makes a folder, with those above it, unless it exists; and checks that files can be made in it.
 ///
 /// # Errors
 ///

@@ -15,7 +15,7 @@ use crate::effects::{EffectTable, Pair, ordered};
 use crate::error::{Failure, SceneAppError};
 
 /// A pair of bodies. Effects ([`Trigger`](crate::Trigger), [`Contacts`](crate::Contacts),
-/// [`Response`](crate::Response)) beside it hold for the pair, whatever its bodies ask for;
+/// [`Response`](crate::Response)) beside it hold for the pair, whatever effects its bodies have;
 /// [`NeverMeet`] keeps them apart.
 ///
 /// It counts as long as both ends are bodies, and has no effect otherwise.
@@ -28,7 +28,7 @@ pub struct BodyPair {
     pub b: Entity,
 }
 
-/// Beside a [`BodyPair`]: the two pass through each other, whatever is asked about them.
+/// Beside a [`BodyPair`]: the two pass through each other, whatever their effects.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct NeverMeet;
@@ -40,7 +40,7 @@ fn note_pairs(mut world: DeferredWorld<'_>, _: HookContext) {
     }
 }
 
-/// Says in the [`EffectTable`] what pair entities ask for.
+/// Puts the effects of pair entities into the [`EffectTable`].
 pub(crate) fn relate_pairs(world: &mut World) {
     let mut pairs: BTreeMap<Pair, Vec<Effect>> = BTreeMap::new();
     let mut levels: BTreeMap<Pair, Accuracy> = BTreeMap::new();

@@ -26,17 +26,17 @@ use crate::readers::ContactReaders;
 use crate::tracking::TrackingSystems;
 use crate::trigger::TriggerSystems;
 
-/// Names of a group of pairs that are told.
+/// Pairs of a group, at most, that are named.
 const EXAMPLES: usize = 6;
 
 /// What a scene runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
-    /// Effects that run, with who asks for them.
+    /// Effects that run, with where they come from.
     pub effects: Vec<PlannedEffect>,
     /// Schedules with their systems, in the order in which they run.
     pub schedules: Vec<PlannedSchedule>,
-    /// Pairs, grouped by what is asked about them and why; the largest group first.
+    /// Pairs, grouped by their effects and where these come from; the largest group first.
     pub pairs: Vec<PlannedPairs>,
     /// Elementary tests that a step may take for triggers and distances, all together; `None`: as
     /// many as they need.
@@ -50,7 +50,7 @@ pub struct Plan {
 pub struct PlannedEffect {
     /// Its name.
     pub name: &'static str,
-    /// Who asks: "the scene", "body 'nut'", "1 pair".
+    /// Where it comes from: "the scene", "body 'nut'", "1 pair".
     pub asked_by: Vec<String>,
     /// Who reads what of it, "the recording reads depth, points, regions": of `Contacts` those that
     /// subscribed, of the others what they end in.
@@ -78,13 +78,12 @@ pub struct PlannedSystem {
     pub sets: Vec<&'static str>,
 }
 
-/// Pairs about which the same is asked, for the same reason.
+/// Pairs with the same effects, for the same reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PlannedPairs {
     /// How many.
     pub count: usize,
-    /// What is asked: effects with their parameters; empty where the pairs never meet or nothing is
-    /// asked.
+    /// Their effects, with parameters; empty where the pairs never meet or have none.
     pub effects: Vec<String>,
     /// What is computed: the union of what is read, "solver contacts" for the solver.
     pub fields: Vec<&'static str>,
@@ -95,7 +94,7 @@ pub struct PlannedPairs {
     pub accuracy: Option<String>,
     /// Who detects them: "solver", "world", "solver and world" or "nobody".
     pub detected_by: &'static str,
-    /// Who asks, or why nobody does.
+    /// Where the effects come from, or why there are none.
     pub why: String,
     /// Some of them by name.
     pub examples: Vec<[String; 2]>,
@@ -170,7 +169,7 @@ fn known_sets() -> Vec<KnownSet> {
     sets
 }
 
-/// All effects, with what asks for them.
+/// All effects, each with why it is absent where it is.
 const EFFECTS: [(&str, &str); 12] = [
     ("Trigger", "the scene, its bodies and pairs name no Trigger"),
     ("Proximity", "the scene, its bodies and pairs name no Proximity"),
@@ -357,7 +356,7 @@ fn told(reader: &str, fields: impl Iterator<Item = &'static str>) -> String {
     format!("{reader} reads {}", fields.collect::<Vec<_>>().join(", "))
 }
 
-/// Of pairs of which the same is asked.
+/// What the pairs of a group have in common.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Asked {
     effects: Vec<String>,
@@ -368,8 +367,8 @@ struct Asked {
     why: String,
 }
 
-/// All pairs, grouped. Of bodies that ask for the same one pair is looked at, and each of the pairs
-/// of which something is said by name.
+/// All pairs, grouped. One pair stands for all pairs of bodies that are alike; each pair that is
+/// named is looked at by itself.
 fn pairs(
     table: &EffectTable,
     bodies: &Bodies,
@@ -426,8 +425,8 @@ fn pairs(
     pairs
 }
 
-/// Bodies of which the same is asked, in groups; one that asks for effects itself, which its name
-/// stands for, alone.
+/// Bodies that are alike, in groups. A body with effects of its own is alone, since its name stands
+/// for them.
 fn alike(table: &EffectTable, bodies: &Bodies) -> Vec<Vec<BodyId>> {
     let mut groups: Vec<Vec<BodyId>> = Vec::new();
     for id in table.bodies() {

@@ -41,7 +41,7 @@ pub struct PluginOptions {
     #[cfg(feature = "rapier")]
     pub detector: cranny_rapier::Detector,
     /// Whether contacts are carried on while a pair drifts a little; `None`: they are. Our detector
-    /// tells them anew at each pose, rapier keeps its own as they are.
+    /// computes them anew at each pose, rapier keeps its own as they are.
     #[cfg(feature = "rapier")]
     pub recycling: Option<bool>,
     /// Solver substeps a step; `None`: enough for our detector, rapier's default with its own.
@@ -105,7 +105,7 @@ pub struct CrannyPlugins {
     scene_effects: Vec<Effect>,
     accuracy: Accuracy,
     budget: Option<u64>,
-    /// Effects that bodies and pairs may ask for besides.
+    /// Effects that bodies and pairs may name besides.
     available: Vec<EffectKind>,
     options: PluginOptions,
     scene: Option<SpawnScene>,
@@ -171,7 +171,7 @@ impl CrannyPlugins {
         self.checked()
     }
 
-    /// Effects that single bodies and pairs may ask for, by components. Of an effect that is named
+    /// Effects that single bodies and pairs may name, by components. Of an effect that is named
     /// neither here nor in [`effects`](Self::effects) there is nothing in the app.
     ///
     /// # Errors
@@ -213,7 +213,7 @@ impl CrannyPlugins {
     }
 
     /// Hooks, which decide about pairs while the solver makes a step. Without them nothing is
-    /// asked.
+    /// called.
     #[cfg(feature = "rapier")]
     #[must_use]
     pub fn hooks<H>(self) -> Self
@@ -237,7 +237,7 @@ impl CrannyPlugins {
         Self { options: options.clone(), ..self }
     }
 
-    /// The plugins that a scene asks for, and a plugin that spawns it.
+    /// The plugins that a scene needs, and a plugin that spawns it.
     ///
     /// # Errors
     ///

@@ -22,8 +22,8 @@ pub enum ProximitySystems {
     Report,
 }
 
-/// Pairs that are nearer than they are asked about, at the poses that the `Transform`s hold during
-/// a step. What is farther apart cost the broad phase only.
+/// Pairs that are nearer than `Proximity` reaches for them, at the poses that the `Transform`s hold
+/// during a step. What is farther apart cost the broad phase only.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ProximityReport {
     /// Steps completed when the report was made.

@@ -7,8 +7,7 @@ use cranny_world::{BodyId, ContactFields};
 
 use crate::effects::{Pair, ordered};
 
-/// Readers of pairs that are asked for `Contacts`, by name; there is one resource where a scene
-/// names the effect.
+/// Readers of pairs with `Contacts`, by name; there is one resource where a scene names the effect.
 ///
 /// Each step computes what the readers of that moment read together, so whoever reads more than
 /// [`PluginOptions::contact_fields`](crate::PluginOptions::contact_fields) says, or only now and

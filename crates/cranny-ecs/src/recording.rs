@@ -51,15 +51,15 @@ pub struct FrameRecorder {
     flushed: Instant,
     /// Step and times at the latest frame.
     measured: (u64, PhaseTimes),
-    /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
+    /// Since the latest frame: a frame holds all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind, bool)>,
     /// What is shown of each body.
     shown: BTreeMap<BodyId, ShownBody>,
 }
 
 impl FrameRecorder {
-    /// Only pairs that ask for `Trigger` have events. Names are taken now: a body may have left by
-    /// the time of the frame.
+    /// Only pairs with `Trigger` have events. Names are taken now: a body may have left by the time
+    /// of the frame.
     fn note_events(&mut self, sources: &Sources) {
         let Sources { records, effects, detected, triggered, .. } = sources;
         let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
@@ -87,7 +87,7 @@ impl FrameRecorder {
         self.recorder.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Completes the file and gives it its final name; `interrupted` tells why, if the run was.
+    /// Completes the file and gives it its final name; `interrupted` says why, if the run was.
     /// `None` where that was done before.
     ///
     /// # Errors
@@ -266,7 +266,7 @@ fn hue(number: u32) -> [f64; 4] {
     [channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0), 1.0]
 }
 
-/// What a frame is made of; the last three exist only where somebody asks for them.
+/// What a frame is made of; the last three exist only where something needs them.
 #[derive(SystemParam)]
 struct Sources<'w, 's> {
     bodies: Query<'w, 's, (&'static Body, &'static Transform)>,

@@ -344,7 +344,7 @@ impl Replay {
         let metadata = self.recording.metadata(topic::METADATA);
         let entry = |key: &str| metadata.and_then(|entries| entries.get(key)).cloned();
         let name = entry("scene").filter(|name| !name.is_empty());
-        // Whether contacts are recorded is all that pictures ask of them.
+        // Of contacts pictures need only whether they are recorded.
         let contacts = self.has_contacts().then_some(Effect::Contacts { margin: 0.0 });
         let stem = || self.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         SceneDescription {

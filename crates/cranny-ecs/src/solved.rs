@@ -1,10 +1,10 @@
 //! Bodies in the solver: who is in it, what it knows of them, and how it learns what changed.
 //!
-//! A body is in the solver's world where something asks for its response, or a joint holds it to
+//! A body is in the solver's world where something names `Response` for it, or a joint holds it to
 //! one of which that is so. [`upkeep`] holds the observers and systems that see to this: a body is
-//! inserted as it is admitted, memberships are found again where what is asked has changed, and
-//! what components say ([`given`]) is compared with what the solver knows, so that a component
-//! which was written without a change costs a comparison and wakes nobody.
+//! inserted as it is admitted, memberships are found again where effects have changed, and what
+//! components say ([`given`]) is compared with what the solver knows, so that a component which was
+//! written without a change costs a comparison and wakes nobody.
 
 mod given;
 mod upkeep;
@@ -67,7 +67,7 @@ pub struct RigidBodies {
     energy: Option<EnergyRange>,
     /// At the end of the last step.
     energy_left: Energy,
-    /// What was asked when it was last looked who takes part; `None` before the first step.
+    /// The effects when it was last looked who takes part; `None` before the first step.
     asked: Option<EffectTable>,
     /// Whether it need not be looked again.
     members_are_current: bool,
@@ -135,7 +135,7 @@ fn rapier_kind(kind: BodyKind) -> cranny_rapier::BodyKind {
     }
 }
 
-/// Whoever asks.
+/// Access for callers.
 impl RigidBodies {
     /// The solver's world.
     #[must_use]
@@ -539,7 +539,7 @@ impl RigidBodies {
         self.reading_is_current = false;
     }
 
-    /// Has a step ask, for bodies that may be near others without a response, who responds.
+    /// Has a step decide, for bodies that may be near others without a response, who responds.
     fn set_hooked(&mut self, effects: &EffectTable) {
         let of_scene = effects.of_scene().contains(&Effect::Response);
         let apart: BTreeSet<BodyId> = effects.excluded().flat_map(|(a, b)| [a, b]).collect();
@@ -549,7 +549,7 @@ impl RigidBodies {
         }
     }
 
-    /// Wakes pairs about whose response something else is asked now.
+    /// Wakes pairs whose response has come or gone.
     fn reconsider(&mut self, before: &EffectTable, now: &EffectTable) {
         let responds = |effects: &EffectTable, a: &Known, b: &Known| {
             effects.asks(EffectKind::Response, a.id, b.id)

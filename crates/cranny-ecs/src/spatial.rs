@@ -26,7 +26,7 @@ use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
 use crate::spatial_index::{SeenBoxes, SpatialIndex};
 
 /// How near surfaces are where a cast ends, as a share of the smaller body's radius. Larger: bodies
-/// stop visibly short; smaller: f32 cannot tell, and it takes longer.
+/// stop visibly short; smaller: f32 does not resolve it, and it takes longer.
 const CAST_TOLERANCE: f64 = 1e-6;
 
 /// Which bodies a question is about.
@@ -176,7 +176,7 @@ pub enum TimeOfImpact {
     FreeFor(f64),
 }
 
-/// Asks about the bodies where their `Transform`s are now: in any schedule, at any time, without a
+/// Queries the bodies where their `Transform`s are now: in any schedule, at any time, without a
 /// plugin. Bodies are those that a step has taken in.
 ///
 /// An answer about meshes is exact or certified, as everywhere in Cranny: a ray slips through

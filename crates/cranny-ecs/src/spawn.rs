@@ -69,7 +69,7 @@ impl LayerNames {
 pub struct SpawnScene {
     scene: Arc<SceneDescription>,
     shapes: Vec<BodyShape>,
-    /// Whether the app asks for the scene's effects already.
+    /// Whether the app has the scene's effects already.
     effects_known: bool,
 }
 

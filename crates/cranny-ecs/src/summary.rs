@@ -92,7 +92,7 @@ pub struct RunSummary {
     pub links: Option<LinkSummary>,
     /// Files and folders written.
     pub outputs: Vec<String>,
-    /// What was asked for and not done.
+    /// What was requested and not done.
     pub skipped: Vec<Skipped>,
     /// Whether the run was broken off.
     pub interrupted: bool,
@@ -125,7 +125,7 @@ pub struct EstimateSummary {
 /// How our detector found the solver's contacts: pairs a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PairsFound {
-    /// Told anew from the features of an earlier search.
+    /// Computed anew from the features of an earlier search.
     pub carried: CountSummary,
     /// Searched.
     pub searched: CountSummary,
@@ -249,7 +249,7 @@ pub struct JointSummary {
     pub off: f64,
     /// The farthest that it was off after any step.
     pub off_max: f64,
-    /// In how many steps its motor was at its greatest effort, and could not do what was asked.
+    /// In how many steps its motor was at its greatest effort, and could not do what was required.
     pub strained: u64,
 }
 
@@ -290,7 +290,7 @@ pub struct PartedSummary {
     pub step: u64,
 }
 
-/// Something that was asked for and not done.
+/// Something that was requested and not done.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Skipped {
     /// What.

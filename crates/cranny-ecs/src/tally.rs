@@ -104,9 +104,9 @@ pub struct Tally {
     pub deepest: Option<DeepestSoFar>,
     /// Of the first exact answer with a depth.
     pub first_overlap: Option<DeepestSoFar>,
-    /// Among exact answers: overlaps whose depth no region tells, as the surfaces do not meet.
+    /// Among exact answers: overlaps whose depth no region gives, as the surfaces do not meet.
     pub contained: Option<Contained>,
-    /// Whether exact answers told depths at all, so that no `deepest` means no overlap.
+    /// Whether exact answers gave depths at all, so that no `deepest` means no overlap.
     pub depths_known: bool,
 }
 

@@ -126,7 +126,7 @@ impl TouchingBodies {
 
 two_bodies!(CollisionStart, CollisionEnd);
 
-/// Pairs that touch and ask for `Trigger`, and what this step has changed about them.
+/// Pairs that touch and have `Trigger`, and what this step has changed about them.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct TriggeredPairs {
     touching: BTreeSet<Pair>,
@@ -150,8 +150,8 @@ impl TriggeredPairs {
     }
 }
 
-/// How often pairs that ask for `Trigger` began to touch, for a run's summary. An app that puts
-/// none in has none kept.
+/// How often pairs with `Trigger` began to touch, for a run's summary. An app that puts none in has
+/// none kept.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct TriggerLog(BTreeMap<Pair, Fired>);
 
@@ -263,7 +263,7 @@ fn report_collisions(
 ) {
     let _running = stopwatch.start(EffectKind::Trigger);
     let Some(report) = &detected.report else { return };
-    // By what is asked now: an effect that comes or goes begins and ends what touches.
+    // By the current effects: one that comes or goes begins and ends what touches.
     let touches = report.touching.iter().copied();
     let touches = touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b));
     // Of poses that are imprecise the verdict is no evidence.

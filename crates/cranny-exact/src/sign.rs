@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D};
 
-/// The sign of a determinant: the only thing that topology may ask of it.
+/// The sign of a determinant: the only thing that topology may read of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(i8)]
 pub enum Sign {
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_rounded_coplanar_point_is_told_from_a_coplanar_one() {
-        // 0.1 + 0.2 is one ulp above 0.3: the plain f64 determinant cannot tell.
+        // 0.1 + 0.2 is one ulp above 0.3: the plain f64 determinant does not resolve it.
         let [a, b, c] =
             [DVec3::new(0.1, 0.1, 0.1), DVec3::new(0.7, 0.2, 0.2), DVec3::new(0.3, 0.9, 0.9)];
         let d = DVec3::new(0.4, 0.4, 0.4);

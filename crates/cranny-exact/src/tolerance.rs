@@ -1,7 +1,7 @@
 //! What the user means by 'the same place'. Never mixed with rounding.
 
 /// Lengths in the unit of the model, chosen by the user. Nothing topological reads them unless the
-/// caller asks for a repair or for contacts at a distance.
+/// caller requests a repair or contacts at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Vertices at most this far apart may be welded by a repair.

@@ -151,8 +151,8 @@ fn bytes_of<'a>(mesh: &Mesh, range: Range<usize>, bytes: &'a mut Vec<u8>) -> &'a
     &bytes[range.start - from..range.end - from]
 }
 
-/// As many pieces more at the end of some bytes, to be written over: at once, for to ask for each
-/// whether there is room takes longer than to write it.
+/// As many pieces more at the end of some bytes, to be written over. All at once: to check for room
+/// before each takes longer than to write it.
 fn room<const SIZE: usize>(bytes: &mut Vec<u8>, count: usize) -> &mut [[u8; SIZE]] {
     let from = bytes.len();
     bytes.resize(from + SIZE * count, 0);

@@ -38,7 +38,7 @@ impl Flatness {
     /// How exactly a plane is measured that points lie on. Smaller, and rounding of the measurement
     /// alone distinguishes sides that are flat to the last digit
     /// (`drawn_sides_are_flat_at_any_flatness`); larger, and a quarter of [`FLATNESS`], which tests
-    /// ask for, is not to be had.
+    /// use, is not to be had.
     pub const LEAST: f64 = 4.0 * f64::EPSILON;
 
     /// Rounding to `f32` moves a point by up to 2^-24 of each coordinate, so of a plane's points,

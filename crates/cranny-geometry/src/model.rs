@@ -60,7 +60,7 @@ impl Model {
         Self::build_observed(mesh, options, &mut |_| {})
     }
 
-    /// [`build`](Self::build), telling each [`Stage`] as it begins.
+    /// [`build`](Self::build), calling `observe` with each [`Stage`] as it begins.
     ///
     /// # Errors
     ///

@@ -76,8 +76,8 @@ pub(crate) struct Apart {
     pub(crate) gap: f64,
 }
 
-/// Bounds for the contents of two boxes, over the nine directions that most often tell: the boxes'
-/// axes, the spins' axes, and the line of centres.
+/// Bounds for the contents of two boxes, over the nine directions that most often decide: the
+/// boxes' axes, the spins' axes, and the line of centres.
 pub(crate) fn boxes_apart(
     bodies: &Bodies,
     moment: &Moment,

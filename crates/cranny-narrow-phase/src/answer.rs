@@ -149,7 +149,7 @@ pub struct RegionId(pub u32);
 
 /// A connected region of contact.
 ///
-/// Two are equal that are the same place: [`id`](Self::id) and [`from`](Self::from) tell history,
+/// Two are equal that are the same place: [`id`](Self::id) and [`from`](Self::from) are history,
 /// and are not compared.
 #[derive(Clone, Debug)]
 pub struct Region {
@@ -404,7 +404,7 @@ impl Answer {
 }
 
 impl Contact {
-    /// Told in another frame.
+    /// The same contact in another frame.
     #[must_use]
     pub fn moved(self, map: &RigidMap) -> Self {
         Self {

@@ -25,8 +25,8 @@ use crate::tally::Tally;
 /// whenever the last of them have parted.
 const KEPT_CROSSINGS: usize = 8;
 
-/// A cut for verdicts reaches so many steps of the motion. Fewer: solids are asked anew which lies
-/// inside which; more: more clusters are listed.
+/// A cut for verdicts reaches so many steps of the motion. Fewer: which solid lies inside which is
+/// decided anew; more: more clusters are listed.
 const STEPS: f64 = 2.0;
 
 /// And looks so many steps farther. Fewer: what is just beyond its reach is tested in every query;
@@ -49,7 +49,7 @@ const FARTHEST: f64 = 6.0;
 /// with memory as without (`random_poses_are_measured_without_a_cut`).
 const JUMP: f64 = 0.25;
 
-/// A cut for contacts is built anew where it reaches more than so many times what is asked. Less:
+/// A cut for contacts is built anew where it reaches more than so many times what is wanted. Less:
 /// where margins change from query to query it does not last; more: more clusters are listed than
 /// are near.
 const WIDEST: f64 = 6.0;
@@ -117,7 +117,7 @@ impl Coherent {
     }
 
     /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
-    /// `below`: the distance is asked for as well, if it is less than that.
+    /// `below`: the distance is wanted as well, if it is less than that.
     pub(crate) fn verdict(
         &mut self,
         pair: &Pair,

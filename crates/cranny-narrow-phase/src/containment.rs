@@ -221,9 +221,8 @@ fn view_of_overlap(pair: &Pair, t: &FacePair) -> Option<Projection> {
     (in_plane && overlap_in_plane(&a, &b, view)).then_some(view)
 }
 
-/// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through
-/// the inside of a face in its plane: on each hand of such an edge lies a cell, along it to a
-/// corner.
+/// Which cells of `side`'s faces lie where, by the edges of the other body that run through the
+/// inside of a face in its plane: on each hand of such an edge lies a cell, along it to a corner.
 fn judge_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
     let others = side.other();
     for t in touching {

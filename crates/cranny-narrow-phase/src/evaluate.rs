@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::answer::{Answer, Contact, Counters, Region, Surface};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
-use crate::containment::solidity;
+use crate::containment::{Solidity, solidity};
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
@@ -268,26 +268,22 @@ fn contacts(
 ) -> Answer {
     let mut out = Answer::nothing();
     coherent.begin(pair);
-    let gap = parting.gap(pair, wanted.farthest(), counters);
-    if gap > wanted.farthest() {
+    if parting.gap(pair, wanted.farthest(), counters) > wanted.farthest() {
         coherent.let_go();
         memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
         out.counters = *counters.counters();
         return out;
     }
-    let near = near_patches(pair, (wanted, gap > 0.0), (coherent, memory), counters);
+    let near = near_patches(pair, wanted, (coherent, memory), counters);
     out.surface = near.surface;
     out.triangle_pairs = near.meeting.len() as u32;
-    if gap == 0.0 {
-        let found = coherent.solidity(pair, out.surface, &near.meeting, counters);
-        out.solid = found.solid;
-        out.contained = found.contained.map(|c| pair.ordered_containment(c));
-    }
+    let Solidity { solid, contained } =
+        coherent.solidity(pair, out.surface, &near.meeting, counters);
+    (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     let mut measured = None;
     let sees_no_overlap = || out.contacts.first().is_none_or(|c| c.separation >= 0.0);
-    let solid = out.solid;
     if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.
@@ -317,7 +313,7 @@ fn contacts(
     out
 }
 
-/// What contacts alone tell of the separation of surfaces that do not overlap: the least gap is no
+/// What contacts alone say of the separation of surfaces that do not overlap: the least gap is no
 /// larger than that of any contact.
 fn gap_seen(answer: &Answer, error: f64) -> Interval {
     if answer.surface != Surface::None {
@@ -382,7 +378,8 @@ fn gaps(
         let (points, curves) = (reduce(contacts), Vec::new());
         let normal = points[0].normal;
         let found = Found { normal, depth: None, area: None, points, curves, faces };
-        Region { triangle_pairs: 0, ..found.finish(pair) }
+        let region = found.finish(pair);
+        Region { triangle_pairs: 0, normal: region.deepest.normal, ..region }
     };
     near_regions(pair, margin, memory, counters).into_iter().map(region).collect()
 }

@@ -111,7 +111,7 @@ fn passage(p: &WeightedPoint, end: DVec3, triangle: &[DVec3; 3]) -> Passage {
     let [a, b, c] = *triangle;
     let (from, to) = (p.side_of(a, b, c), orient3d(a, b, c, end));
     if from.is_zero() && to.is_zero() {
-        // In the plane: another direction tells.
+        // In the plane: another direction decides.
         let has_area = Projection::of(triangle).is_some();
         return if has_area { Passage::Unclear } else { Passage::Beside };
     }

@@ -2,8 +2,8 @@
 //!
 //! An end of a segment is where an edge of one body pierces a face of the other (or, in special
 //! positions, where lower features meet). It is known by its pair of features, which exact signs
-//! tell; its coordinates are constructed once. Two segments meet if and only if they share an end:
-//! no distance is compared.
+//! decide; its coordinates are constructed once. Two segments meet if and only if they share an
+//! end: no distance is compared.
 //!
 //! Every segment runs along n × m, n and m being the normals of the first and the second body's
 //! face. Seen against n, the part of the first face that lies inside the second body is then on the

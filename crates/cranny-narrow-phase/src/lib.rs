@@ -19,8 +19,8 @@
 //!
 //! # The story, file by file
 //!
-//! `query` asks, for the `fields` that somebody reads, and says how bodies `approach`; `evaluate`
-//! conducts.
+//! `query` says what is computed, for the `fields` that somebody reads, and how bodies `approach`;
+//! `evaluate` conducts.
 //!
 //! **Separate.** `pair` puts the two models in canonical order and poses vertices; `hulls` looks
 //! for a plane between their hulls, beyond which nothing is searched.

@@ -123,7 +123,7 @@ mod tests {
         all
     }
 
-    /// A body wanders over another: what is kept finds what all pairs of faces tell.
+    /// A body wanders over another: what is kept finds what a search of all pairs of faces finds.
     #[test]
     fn regions_across_gaps_are_those_of_all_pairs_of_faces() {
         let bodies = [

@@ -1,7 +1,7 @@
 //! The pieces of the two surfaces that the intersection curves cut out: the parts of each that lie
 //! inside the other solid, connected over the curves into regions.
 //!
-//! Only for generic intersections of closed surfaces. Starting at the curves, edges tell which of
+//! Only for generic intersections of closed surfaces. Starting at the curves, edges show which of
 //! their ends are inside; from there vertices spread along edges that the other surface does not
 //! cut. The cost follows the pieces, not the meshes.
 

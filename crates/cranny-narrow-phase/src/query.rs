@@ -51,7 +51,7 @@ pub enum Demand {
     },
 }
 
-/// Whose normals the contacts have that a solver asks for.
+/// Whose normals the contacts for a solver have.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Normals {
     /// Those of the meshes: of a face, of two edges, of the way across a gap.

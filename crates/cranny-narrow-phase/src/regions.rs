@@ -183,17 +183,16 @@ fn closed_region(
 
 /// Where a surface is open: connected curves, without depth or area.
 fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) -> Vec<Region> {
-    let mut sets = DisjointSets::new(intersection.nodes.len());
-    for s in &intersection.segments {
-        sets.union(s.nodes[0], s.nodes[1]);
-    }
-    let (region_of, count) = sets.numbered();
-    let mut segments_of = vec![Vec::new(); count];
-    for (index, s) in intersection.segments.iter().enumerate() {
-        segments_of[region_of[s.nodes[0]] as usize].push(index);
-    }
-    if segments_of.is_empty() {
+    if intersection.segments.is_empty() {
         return outer_touch(pair, pairs);
+    }
+    // Of segments: a node where surfaces touch in a point has none.
+    let mut sets = DisjointSets::new(intersection.segments.len());
+    let mut segment_at = vec![None; intersection.nodes.len()];
+    for (index, s) in intersection.segments.iter().enumerate() {
+        for node in s.nodes {
+            sets.union(*segment_at[node].get_or_insert(index), index);
+        }
     }
     let mut chains = Chains::of(intersection);
     let region = |segments: Vec<usize>| {
@@ -210,5 +209,5 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
         let curves = curves(pair, intersection, &mut chains, &segments);
         Found { normal, depth: None, area: None, points, curves, faces: faces.collect() }
     };
-    segments_of.into_iter().map(region).map(|found| found.finish(pair)).collect()
+    sets.groups().into_iter().map(region).map(|found| found.finish(pair)).collect()
 }

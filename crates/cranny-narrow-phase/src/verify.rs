@@ -18,7 +18,7 @@ pub struct Mismatch {
 
 impl Mismatch {
     /// Whether two answers to the same question differ, to the last bit and but for
-    /// [counters](Answer::counters), which tell the work and not the result.
+    /// [counters](Answer::counters), which measure the work and not the result.
     #[must_use]
     pub fn between(warm: &Answer, cold: &Answer) -> Option<Self> {
         let mismatch = Self { warm: warm.clone(), cold: cold.clone() };

@@ -48,7 +48,7 @@ const SHALLOWER: usize = 3;
 const ALIKE: f64 = 2.0;
 
 /// The share of a way by which a body backs off at least from what it would meet. Larger: bodies
-/// stop visibly short; smaller: single precision does not tell such poses apart.
+/// stop visibly short; smaller: single precision does not distinguish such poses.
 const LEAST_BACK: f64 = 1.0 / 16_777_216.0;
 
 /// A shape on its way, with its cores.

@@ -314,7 +314,7 @@ struct Neighbours<'a> {
 }
 
 impl Neighbours<'_> {
-    /// Tells each body what others may make of its motion, and returns the longest reach.
+    /// Extends each body's motion by what others may make of it, and returns the longest reach.
     fn influence(&self, motions: &mut [Motion], broad_phase: &mut BroadPhaseBvh) -> Real {
         let mut seen = vec![false; motions.len()];
         let mut pairs: Vec<[u32; 2]> = Vec::new();

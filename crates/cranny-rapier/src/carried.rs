@@ -78,7 +78,7 @@ struct KnownSearches {
 /// How the contacts of pairs were found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PairCounts {
-    /// Told anew from the features of an earlier search.
+    /// Computed anew from the features of an earlier search.
     pub carried: usize,
     /// Searched.
     pub searched: usize,

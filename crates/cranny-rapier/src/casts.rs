@@ -15,8 +15,8 @@ use rapier3d::parry::query::{Contact, ShapeCastHit, ShapeCastStatus};
 use crate::convert::{narrow, pose_from_rapier, wide};
 
 /// How far apart surfaces may be where a cast ends, as a share of the smaller body's radius: some
-/// ten steps of f32. Larger: bodies stop visibly short; smaller: f32 cannot tell, and it takes
-/// longer.
+/// ten steps of f32. Larger: bodies stop visibly short; smaller: f32 does not resolve it, and it
+/// takes longer.
 const TOLERANCE: f64 = 1e-6;
 
 /// Elementary tests of a cast: half a second. More: what slides along a thread stalls whoever
@@ -50,7 +50,7 @@ impl<'a> Cast<'a> {
         seconds: Real,
     ) -> Self {
         let (start, velocity) = (pose_from_rapier(pos12), wide(velocity));
-        // Beyond that they have passed each other; callers tell no end.
+        // Beyond that they have passed each other; callers give no end.
         let apart = start.translation.length() + extent(models[0]) + extent(models[1]);
         let past = match velocity.length() {
             0.0 => 0.0,

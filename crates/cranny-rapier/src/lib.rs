@@ -8,7 +8,7 @@
 //! - 'Exact' refers to the relative pose that rapier hands over: of f32 in `cranny-rapier`, of f64
 //!   in `cranny-rapier-f64`, which is built from the same sources.
 //! - Mass, centre and inertia are those of the solid, computed in f64.
-//! - Normals are those of the meshes' facets; where a shape asks for it
+//! - Normals are those of the meshes' facets; for a shape made so
 //!   ([`MeshShape::with_smooth_normals`]), a solver gets those of the curved surface that the
 //!   facets stand for. Points and separations are exact all the same.
 //! - Impulses are carried over from step to step by features, or by place.

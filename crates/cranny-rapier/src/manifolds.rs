@@ -44,7 +44,7 @@ impl SolverContact {
         Self { ids, on_first: point_a, on_second: point_b, normal, separation }
     }
 
-    /// Told in another frame.
+    /// The same contact in another frame.
     pub(crate) fn moved(self, map: &RigidMap) -> Self {
         Self {
             on_first: map.apply(self.on_first),
@@ -163,7 +163,7 @@ pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
     }
 }
 
-/// A patch, for contacts between patches. Told as a face, of which there are at least as many.
+/// A patch, for contacts between patches. Encoded as a face, of which there are at least as many.
 pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
     PackedFeatureId::face(patch.0)
 }

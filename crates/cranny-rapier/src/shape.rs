@@ -111,12 +111,12 @@ impl MeshShape {
         Ok(Self { smooth, ..self })
     }
 
-    /// The same as ground that rapier's `KinematicCharacterController` feels. The controller asks
-    /// its casts of the query pipeline's dispatcher, and parry's own whether it stands on
-    /// something; that one is then shown the parry mesh of the same triangles. Without this nothing
-    /// but a ball is ever reported to be grounded on the shape, snaps to it, is carried by it or
-    /// pushes it. Nothing else changes, but that parry panics where such a shape is put into a
-    /// compound.
+    /// The same as ground that rapier's `KinematicCharacterController` feels. The controller makes
+    /// its casts through the query pipeline's dispatcher, and finds through parry's own whether it
+    /// stands on something; that one then gets the parry mesh of the same triangles. Without this
+    /// nothing but a ball is ever reported to be grounded on the shape, snaps to it, is carried by
+    /// it or pushes it. Nothing else changes, but that parry panics where such a shape is put into
+    /// a compound.
     #[must_use]
     pub fn walkable(self) -> Self {
         Self { walkable: true, ..self }
@@ -230,7 +230,7 @@ impl Shape for MeshShape {
         mass_properties(&self.model, f64::from(density)).unwrap_or_default()
     }
 
-    /// For whoever asks parry's own dispatcher, as rapier's character controller does; not always,
+    /// For callers of parry's own dispatcher, such as rapier's character controller; not always,
     /// since parry makes no compounds of what has parts.
     fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
         self.walkable.then_some(&self.mesh as &(dyn CompositeShape + Sync))

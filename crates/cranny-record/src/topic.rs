@@ -58,7 +58,7 @@ pub fn model(digest: &str) -> String {
     format!("models/{digest}.cranny")
 }
 
-/// Key of the metadata record [`METADATA`]: names of the effects that the scene asks for.
+/// Key of the metadata record [`METADATA`]: names of the effects that the scene has.
 pub const EFFECTS_KEY: &str = "effects";
 
 /// Key of the same record: the scene's cameras, a line each; absent where it names none.

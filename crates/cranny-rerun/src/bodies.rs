@@ -19,7 +19,7 @@ pub(crate) const GROUP: &str = "bodies";
 /// What became of a body at a log time: it has this look from then on, or none.
 type Change<'a> = (u64, Option<&'a DrawnBody>);
 
-/// Tells all bodies and their transforms.
+/// Writes all bodies and their transforms.
 pub(crate) fn tell(stream: &Stream, source: &Source) -> Result<(), RerunError> {
     let poses = poses_by_body(&source.transforms);
     for (name, poses) in &poses {

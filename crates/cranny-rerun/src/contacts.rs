@@ -28,7 +28,7 @@ const ARROW_LENGTH: f64 = 0.15;
 /// Length of an arrow where no body has a size, units of length.
 const LONE_ARROW_LENGTH: f64 = 0.1;
 
-/// Tells all contacts.
+/// Writes all contacts.
 pub(crate) fn tell(stream: &Stream, source: &Source) -> Result<(), RerunError> {
     tell_points(stream, source)?;
     tell_normals(stream, source)?;

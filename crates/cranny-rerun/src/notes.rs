@@ -22,7 +22,7 @@ pub(crate) const LOG: &str = "log";
 /// The group of cameras.
 pub(crate) const CAMERAS: &str = "camera";
 
-/// Tells all words and pictures.
+/// Writes all words and pictures.
 pub(crate) fn tell(
     stream: &Stream,
     recording: &Recording,

@@ -66,7 +66,7 @@ fn place(name: &str) -> (&str, &str) {
     }
 }
 
-/// Tells all series.
+/// Writes all series.
 pub(crate) fn tell(stream: &Stream, source: &Source) -> Result<(), RerunError> {
     for (group, series) in groups(&source.stats) {
         for (name, values) in series {

@@ -15,7 +15,7 @@ const ROWS_PER_CHUNK: usize = 256;
 /// The columns of some rows.
 pub(crate) type Columns = SerializationResult<Vec<SerializedComponentColumn>>;
 
-/// Tells Rerun what is known of an entity, always or at log times.
+/// Logs to Rerun what is known of an entity, always or at log times.
 pub(crate) struct Stream<'a> {
     pub(crate) to: &'a RecordingStream,
     pub(crate) clock: &'a Clock,

@@ -133,7 +133,7 @@ pub(crate) fn cold(a: Placed, b: Placed, demand: Demand) -> Result<Answer, Query
 }
 
 impl Trial<'_> {
-    /// Asks about a pair and keeps the case. `memory` is that of earlier cases, of whatever pairs.
+    /// Queries a pair and keeps the case. `memory` is that of earlier cases, of whatever pairs.
     pub(crate) fn pair(
         &mut self,
         name: String,

@@ -4,7 +4,7 @@
 //!
 //! - The rational oracles share no method with the code that they judge: they *construct* what two
 //!   things have in common, in exact rational arithmetic, and look at the result. The product
-//!   constructs nothing and asks for signs only.
+//!   constructs nothing and needs signs only.
 //! - Generators are seeded: the same seed gives the same cases on every machine.
 //!
 //! # Non-promises

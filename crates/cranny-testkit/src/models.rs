@@ -1,4 +1,4 @@
-//! Models to ask about: of a mesh, of a shape, and a set of small ones of many kinds.
+//! Models for queries: of a mesh, of a shape, and a set of small ones of many kinds.
 
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, Torus};

@@ -3,7 +3,7 @@
 //! Let A and B be closed, oriented, embedded meshes and also the closed solids that they bound. Two
 //! surfaces may touch everywhere and cross nowhere, and yet the solids may be apart (two boxes that
 //! share a face), penetrate (coincident boxes), or pass through each other exactly along edges. The
-//! triangle pairs do not tell. This does:
+//! triangle pairs do not decide it. This does:
 //!
 //! 1. Cut each face of A along everything that it shares with faces of B: segments, and the rims of
 //!    co-planar overlaps. Within a *cell*, the open 2-D pieces that remain, all points (but for

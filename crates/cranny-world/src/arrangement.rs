@@ -1,8 +1,8 @@
 //! Shapes at poses without a history: which pairs of them meet, and which is nearest.
 //!
-//! A [`World`](crate::World) follows bodies from step to step and makes events. Whoever has a list
-//! of configurations instead, as a planner has of a robot, asks here: no ids, no events, the pairs
-//! once for all.
+//! A [`World`](crate::World) follows bodies from step to step and makes events. A caller with a
+//! list of configurations instead, as a planner has of a robot, uses this: no ids, no events, the
+//! pairs once for all.
 
 use cranny_exact::{Aabb, Pose, PoseError};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
@@ -32,7 +32,7 @@ struct WatchedPair {
     memory: PairMemory,
 }
 
-/// What is asked of an [`Arrangement`].
+/// What is wanted of an [`Arrangement`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
     /// Which pairs meet.

@@ -35,7 +35,7 @@ pub struct BodySpec {
     pub layers: Layers,
     /// Whether it is noticed and never pushes: a solver then has no part in its pairs.
     pub sensor: bool,
-    /// What is asked about it beyond the scene's effects.
+    /// What is wanted of it beyond the scene's effects.
     pub effects: Vec<Effect>,
 }
 
@@ -70,7 +70,7 @@ pub struct Body {
     pub(crate) layers: Layers,
     pub(crate) sensor: bool,
     pub(crate) effects: Vec<Effect>,
-    /// What `effects` ask.
+    /// What `effects` need.
     pub(crate) wish: Wish,
 }
 
@@ -111,13 +111,13 @@ impl Body {
         self.sensor
     }
 
-    /// What is asked about it beyond the scene's effects.
+    /// What is wanted of it beyond the scene's effects.
     #[must_use]
     pub fn effects(&self) -> &[Effect] {
         &self.effects
     }
 
-    /// As it is asked about.
+    /// As queries take it.
     pub(crate) fn placed(&self) -> PlacedShape<'_> {
         PlacedShape { shape: &self.shape, pose: self.pose }
     }

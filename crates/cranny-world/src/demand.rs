@@ -63,7 +63,7 @@ impl ContactFields {
     }
 }
 
-/// What a list of effects asks for.
+/// What a list of effects needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wish {
     verdict: bool,
@@ -115,9 +115,9 @@ impl Levels {
 }
 
 impl Wish {
-    /// What the effects ask for together. `owner` names whose effects they are, for errors.
+    /// What the effects need together. `owner` names whose effects they are, for errors.
     ///
-    /// `Response` asks nothing here: the solver's step detects its pairs itself, once, and its
+    /// `Response` needs nothing here: the solver's step detects its pairs itself, once, and its
     /// answers come in by [`World::supply`](crate::World::supply).
     pub(crate) fn of(
         effects: &[Effect],
@@ -159,7 +159,7 @@ impl Wish {
         }
     }
 
-    /// What either asks for.
+    /// What either needs.
     pub(crate) fn join(self, other: Self) -> Self {
         let larger = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => Some(a.max(b)),
@@ -201,7 +201,7 @@ impl Wish {
         self.contacts.map_or(own, |margin| own.join(read.within(margin)))
     }
 
-    /// How far apart the effects ask about; 0 where they ask about no gap.
+    /// Up to which gap the effects need answers; 0 where they need none across gaps.
     pub(crate) fn margin(&self) -> f64 {
         [self.contacts, self.within, self.tolerance].into_iter().flatten().fold(0.0, f64::max)
     }

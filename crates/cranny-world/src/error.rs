@@ -16,13 +16,13 @@ pub enum WorldError {
     /// No body of this id is present.
     #[error("there is no body {body}: it was removed, or comes from another world")]
     UnknownBody {
-        /// The id asked for.
+        /// The id requested.
         body: BodyId,
     },
     /// A body of this name is present already.
     #[error("there is a body named '{name}' already ({body}): names must be unique")]
     DuplicateName {
-        /// The name asked for.
+        /// The name requested.
         name: String,
         /// Who has it.
         body: BodyId,
@@ -42,7 +42,7 @@ pub enum WorldError {
     /// An id that the world has given away, or has passed by.
     #[error("body '{name}' cannot have the id {body}: ids ascend, and a later one was given away")]
     IdUsed {
-        /// The body that asks for it.
+        /// The body that wants it.
         name: String,
         /// The id.
         body: BodyId,
@@ -102,7 +102,7 @@ pub enum WorldError {
     /// There are no such threads.
     #[error("{threads} threads for pairs cannot be had: {why}")]
     Threads {
-        /// How many were asked for.
+        /// How many were requested.
         threads: NonZeroUsize,
         /// What the system says, or which feature is missing.
         why: String,

@@ -1,10 +1,10 @@
-//! Bodies, poses and the lifetime of pairs; what each pair is asked; what began and what ended.
+//! Bodies, poses and the lifetime of pairs; what is wanted of each pair; what began and what ended.
 //! And the neutral [`description`] of a scene, which says all this before anything runs.
 //!
 //! # Promises
 //!
-//! - **Only what is asked is computed.** A pair's [`Demand`](cranny_narrow_phase::Demand) is the
-//!   least that tells what is read of the scene's, its two bodies' and its own
+//! - **Only what is wanted is computed.** A pair's [`Demand`](cranny_narrow_phase::Demand) is the
+//!   least that gives what is read of the scene's, its two bodies' and its own
 //!   [`Effect`](description::Effect)s: of `Contacts` all, unless [`World::set_contact_fields`] says
 //!   less. A pair whose demand is `None` is never looked at. A pair that somebody else detects
 //!   already (inside a solver's step) is handed in by [`World::supply`] and not detected twice.
@@ -15,7 +15,7 @@
 //! - **Began and Ended alternate** for every pair, also when a body is removed or an effect is
 //!   taken away while the bodies touch.
 //! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
-//!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
+//!   if [`World::set_threads`] requests one, and are reported in order of ids, equal to the bit.
 //! - **No level and no budget misses what exact answers find**: triggers and distances may be known
 //!   at a level, or within a number of tests a step ([`World::set_accuracy`],
 //!   [`World::set_budget`]); what is open then counts as touching ([`PairEstimate`]).

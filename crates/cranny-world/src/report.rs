@@ -1,4 +1,4 @@
-//! What a step tells.
+//! What a step reports.
 
 use cranny_broad_phase::BroadPhaseCounters;
 use cranny_estimate::Verdict;
@@ -17,14 +17,14 @@ pub struct StepReport {
     /// One a pair that is answered at a level or within the budget.
     pub estimates: Vec<PairEstimate>,
     /// Which pairs began or ended to touch, among those that have a demand, and which regions of
-    /// contact split or merged, where regions are asked for.
+    /// contact split or merged, where regions are wanted.
     pub events: Vec<PairEvent>,
     /// Pairs with a demand that touch or overlap, or have an open verdict; ascending.
     pub touching: Vec<(BodyId, BodyId)>,
     /// Counts and sums.
     pub stats: StepStats,
     /// Where memory changed an answer, sorted by body ids: faults of Cranny's. Always empty unless
-    /// [`World::set_verification`](crate::World::set_verification) asks for a comparison. Estimates
+    /// [`World::set_verification`](crate::World::set_verification) requests a comparison. Estimates
     /// are not compared: a pair of `estimates` is never here.
     pub mismatches: Vec<PairMismatch>,
 }
@@ -82,20 +82,20 @@ pub struct PairEvent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum PairEventKind {
-    /// The bodies touch or overlap, and did not (or were not asked about) at the step before.
+    /// The bodies touch or overlap, and did not (or nothing was wanted of them) at the step before.
     Began,
     /// They touched or overlapped at the step before and do not now, or one was removed, or nothing
-    /// is asked about the pair any more.
+    /// is wanted of the pair any more.
     Ended,
-    /// A region of their contact came apart: `part` is new, `region` goes on. Told once for each
-    /// part.
+    /// A region of their contact came apart: `part` is new, `region` goes on. Reported once for
+    /// each part.
     RegionSplit {
         /// The part that keeps the name.
         region: RegionId,
         /// The other.
         part: RegionId,
     },
-    /// Two regions of their contact grew together. Told once for each that was.
+    /// Two regions of their contact grew together. Reported once for each that was.
     RegionMerged {
         /// The one that goes on.
         region: RegionId,
@@ -124,7 +124,7 @@ pub struct StepStats {
     pub boxes: usize,
     /// Pairs of boxes that overlap.
     pub candidate_pairs: usize,
-    /// Pairs that the narrow phase was asked about.
+    /// Pairs that were queried in the narrow phase.
     pub queried_pairs: usize,
     /// Of those, pairs that were answered without memory as well.
     pub verified_pairs: usize,
@@ -142,7 +142,7 @@ pub struct StepStats {
     pub counters: Counters,
     /// What the broad phase did. Not part of any hash.
     pub broad_phase: BroadPhaseCounters,
-    /// The deepest overlap among the answers that tell depths, but for those of sensors.
+    /// The deepest overlap among the answers that give depths, but for those of sensors.
     pub deepest: Option<Deepest>,
 }
 
@@ -186,7 +186,7 @@ impl StepStats {
         let answer = &pair.answer;
         self.touching_pairs += usize::from(answer.touches());
         let in_regions: usize = answer.regions.iter().map(|r| r.points.len()).sum();
-        // Where regions are told, the answer's contacts are their points, told again.
+        // Where regions are given, the answer's contacts are their points again.
         self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
         self.regions += answer.regions.len();
         self.counters += answer.counters;

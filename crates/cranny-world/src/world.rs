@@ -1,4 +1,4 @@
-//! The world: bodies by id, pairs by their boxes, and the step that answers what is asked.
+//! The world: bodies by id, pairs by their boxes, and the step that computes what is wanted.
 //! [`effects`] says what that is. A pair begins when boxes overlap and is dropped when they part
 //! ([`World::update_pairs`]).
 
@@ -27,7 +27,7 @@ use crate::report::{
 /// Two bodies, the lower id first.
 type Pair = (BodyId, BodyId);
 
-/// Bodies at poses, and what is asked about their pairs.
+/// Bodies at poses, and what is wanted of their pairs.
 ///
 /// Calls between two steps take effect at the next [`step`](Self::step); their order is irrelevant
 /// (but for the ids that insertion gives).
@@ -50,7 +50,7 @@ pub struct World {
     budget: Option<u64>,
     excluded: BTreeSet<Pair>,
     broad_phase: AdaptiveBroadPhase,
-    /// Of pairs whose boxes overlapped at the last step and about which something is asked.
+    /// Of pairs whose boxes overlapped at the last step and of which something is wanted.
     memories: BTreeMap<Pair, PairState>,
     crew: Crew,
     /// Whether pairs are answered without memory as well.
@@ -120,8 +120,8 @@ impl World {
         Ok(())
     }
 
-    /// Takes a body out, with all that was said about its pairs. What it touched is told to have
-    /// ended at the next step.
+    /// Takes a body out, with all that was said about its pairs. The next step reports that its
+    /// touching pairs ended.
     ///
     /// # Errors
     ///
@@ -166,8 +166,8 @@ impl World {
         self.by_name.get(name).copied()
     }
 
-    /// A body's name. Bodies that were removed keep theirs until the step after the one that tells
-    /// their pairs' end, so that every event can be told by names.
+    /// A body's name. Bodies that were removed keep theirs until the step after the one that
+    /// reports their pairs' end, so that every event can be given by names.
     #[must_use]
     pub fn name(&self, body: BodyId) -> Option<&str> {
         let present = self.bodies.get(&body).map(|b| &b.name);
@@ -176,7 +176,7 @@ impl World {
     }
 
     /// Moves a body. A quaternion of unit length to rounding is kept to the bit, others are
-    /// normalised: [`Body::pose`] tells what queries read.
+    /// normalised: [`Body::pose`] is what queries read.
     ///
     /// # Errors
     ///
@@ -275,7 +275,7 @@ impl World {
 /// Steps.
 impl World {
     /// Hands in an answer that somebody else found at the present poses (the solver's step, for
-    /// pairs with `Response`): the next step reports it and does not query the pair. `answer` tells
+    /// pairs with `Response`): the next step reports it and does not query the pair. `answer` has
     /// `a` as A and `b` as B. A second call for the same pair replaces the first.
     ///
     /// # Errors
@@ -320,7 +320,7 @@ impl World {
     /// # Errors
     ///
     /// [`WorldError::Query`] where the narrow phase refuses a pair. The step has then not happened:
-    /// the next one tells the difference to the last that did, and supplied answers are kept.
+    /// the next one reports the difference to the last that did, and supplied answers are kept.
     pub fn step(&mut self) -> Result<StepReport, WorldError> {
         self.update_pairs();
         let mut stats = StepStats {
@@ -366,7 +366,7 @@ impl World {
 
     /// Says whether from now on every pair that is queried is answered a second time without
     /// memory, and the two compared, to the bit; off until then. Answers and events stay those with
-    /// memory; differences, which would be faults of Cranny's, are told in
+    /// memory; differences, which would be faults of Cranny's, are listed in
     /// [`StepReport::mismatches`]. A step then costs what it costs warm and cold together. Supplied
     /// answers are not compared, nor are estimates, which depend on memory where a budget ends
     /// them.
@@ -396,7 +396,7 @@ impl World {
         }
     }
 
-    /// Answers what is asked about pairs whose boxes overlap, but for what was supplied.
+    /// Answers what is wanted of pairs whose boxes overlap, but for what was supplied.
     fn query_candidates(&mut self) -> Result<Found, WorldError> {
         let mut memories = std::mem::take(&mut self.memories);
         let answers = self.query_with(&mut memories);
@@ -478,7 +478,7 @@ impl World {
         Ok((jobs, refinements))
     }
 
-    /// Replaces the set of touching pairs and tells the difference.
+    /// Replaces the set of touching pairs. Returns the difference, and the events of regions.
     fn update_touching(
         &mut self,
         answers: &[PairAnswer],

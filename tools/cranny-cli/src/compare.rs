@@ -99,7 +99,7 @@ pub(crate) fn simulated(
                 substeps,
                 helices: helices.clone(),
                 rings: rings.clone(),
-                // The judge reads depths of regions, which tell how deep a failed peer is.
+                // The judge reads depths of regions, which say how deep a failed peer is.
                 detects_beside: true,
                 contact_fields: ContactFields { depth: Some(0.0), regions: true, points: false },
                 ..PluginOptions::default()

@@ -25,7 +25,7 @@ enum Kind {
     Input,
     /// Input/output or the work itself failed.
     Run,
-    /// Whoever read our output has gone: no failure of ours, and nobody to tell.
+    /// Whoever read our output has gone: no failure of ours, and nobody to report it to.
     ReaderGone,
 }
 
@@ -72,7 +72,7 @@ impl Failure {
         }
     }
 
-    /// Tells it on standard error; a terminal is shown the place in the file as well.
+    /// Writes it to standard error; on a terminal with the place in the file as well.
     pub(crate) fn report(&self) -> ExitCode {
         let code = match self.kind {
             Kind::ReaderGone => return ExitCode::SUCCESS,

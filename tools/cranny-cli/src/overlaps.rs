@@ -143,8 +143,8 @@ struct FoundOverlap {
     inner: Option<usize>,
 }
 
-/// The overlap of two bodies, if deep enough to tell. Of a mesh that cannot be prepared nothing is
-/// known: a run says why.
+/// The overlap of two bodies, if deep enough to mention. Of a mesh that cannot be prepared nothing
+/// is known: a run says why.
 fn overlap([a, b]: [&BodyDescription; 2]) -> Option<FoundOverlap> {
     let question = Query::of(Demand::Regions { margin: 0.0 });
     let answer =

@@ -59,8 +59,8 @@ pub(crate) enum Trouble {
     Failed(Failure),
 }
 
-/// Draws what is listed, which is asked for only where there is something to draw with, and writes
-/// the picture as PNG: whole, or not at all.
+/// Draws what is listed and writes the picture as PNG: whole, or not at all. `listed` is called
+/// only where there is something to draw with.
 pub(crate) fn draw(
     path: &Path,
     listed: impl FnOnce() -> Result<Drawing, DrawMeshError>,

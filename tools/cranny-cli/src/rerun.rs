@@ -77,8 +77,8 @@ pub(crate) fn recording_of_run(record: Option<&Path>, out: Option<&Path>) -> Opt
     record.map(Path::to_owned).or_else(|| out.map(beside))
 }
 
-/// Makes the recording of a run into a file of Rerun's. A recording that nobody asked for is
-/// removed then; where this fails, it is kept.
+/// Makes the recording of a run into a file of Rerun's. A recording that is not wanted is removed
+/// then; where this fails, it is kept.
 ///
 /// # Errors
 ///

@@ -5,7 +5,7 @@
 pub(crate) fn report_size_limits() {
     #[cfg(unix)]
     {
-        // Whoever writes sees the error; that the signal came is not asked.
+        // The write itself fails with the error; that the signal came is never read.
         let reached = std::sync::Arc::default();
         if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, reached) {
             tracing::debug!("a limit on the size of files will end the command ({error})");

@@ -29,7 +29,7 @@ pub(crate) fn plugins(scene: &LoadedScene, detector: Detector) -> PluginOptions 
 ///
 /// # Errors
 ///
-/// A scene that cannot be simulated as asked; a step, a recording or a picture that failed.
+/// A scene or options that cannot be simulated; a step, a recording or a picture that failed.
 pub(crate) fn simulate(
     scene: &SceneDescription,
     options: &RunOptions,

@@ -2,7 +2,7 @@
 //!
 //! `cranny_stability` has the families and the judges; here they are run and reported: `rows` for a
 //! line a family and the files of numbers, `page` for the page, `chart` for its drawing. `peer`
-//! asks parry the same.
+//! queries parry in the same cases.
 
 mod chart;
 mod page;

@@ -41,7 +41,7 @@ struct Verdict {
     notes: Vec<String>,
 }
 
-/// Counts; writes the figures down where `update`, else compares. Tells what is to be known;
+/// Counts; writes the figures down where `update`, else compares. Prints what is to be known;
 /// `Ok(false)` where something takes more than it did.
 ///
 /// # Errors

@@ -1,11 +1,11 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, that the crates which compute do nothing but compute, and that a type name means one
-//! thing in a crate, and that a crate keeps its bound in lines. `lines` counts the lines of code of
-//! each crate. `check-docs` checks that links of Markdown files resolve, and that pages and
-//! comments keep their bounds. `instructions` counts the instructions of fixed pieces of work, and
-//! compares them with those on file.
+//! which, that the crates which compute do nothing but compute, that a type name means one thing in
+//! a crate, and that a crate keeps its bound in lines. `lines` counts the lines of code of each
+//! crate. `check-docs` checks that links of Markdown files resolve, and that pages and comments
+//! keep their bounds. `instructions` counts the instructions of fixed pieces of work, and compares
+//! them with those on file.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 
@@ -133,7 +133,9 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
         let mut type_names = names::TypeNames::new();
         let is_pure = directions::computes(&package.name);
         let sources = sources::of_crate(Path::new(&package.folder))?;
-        violations.extend(sizes::check(&package.name, &package.folder, sizes::lines(&sources)));
+        let folder = Path::new(&package.folder);
+        let shown = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
+        violations.extend(sizes::check(&package.name, &shown, sizes::lines(&sources)));
         for file in sources {
             files += 1;
             let shown = file.path.strip_prefix(root).unwrap_or(&file.path).display().to_string();

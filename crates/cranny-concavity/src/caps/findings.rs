@@ -63,7 +63,7 @@ impl CapSurface {
     }
 }
 
-/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides,
+/// The finding of a body whose hull has a volume, but is as thin as that. A flat one has two sides,
 /// and faces that look up lie on the upper one.
 fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
     let (volume, area) = (hull.volume(), hull.area());

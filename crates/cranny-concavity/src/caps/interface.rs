@@ -47,8 +47,8 @@ impl Divisions {
         for edge in left {
             let Origin::Hull(h) = edge.origin else { continue };
             let twin = hull.twin(HalfEdgeId(h)).0;
-            // From the lesser vertex on: numbers of half-edges mean nothing, and rounding may tell
-            // the two ways apart.
+            // From the lesser vertex on: numbers of half-edges mean nothing, and rounding may
+            // differ between the two ways.
             let [from, to] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
             let (p, q) = (at(from), at(to));
             let (low, high) = (p[axis].min(q[axis]) - reach, p[axis].max(q[axis]) + reach);

@@ -2,7 +2,7 @@
 //!
 //! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: passes over
 //! hull, faces and caps, O(m log m) for m cap triangles and edges of rims, and k² for k facets that
-//! are covered together, each of which asks for the others. What lies in what stands in `nesting`.
+//! are covered together, each of which looks at the others. What lies in what stands in `nesting`.
 
 use std::collections::BTreeMap;
 

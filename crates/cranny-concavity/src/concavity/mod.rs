@@ -56,7 +56,7 @@ pub enum ConcavityKind {
     Void,
     /// No lid, and matter within, or a surface that bounds nothing: a separate piece inside a
     /// concavity, or anywhere off the hull. A solid inside the matter of another is one too,
-    /// without a parent, as no air is around it; reports tell it as
+    /// without a parent, as no air is around it; reports list it as
     /// [`NestedSolid`](cranny_geometry::FindingKind::NestedSolid).
     Island,
     /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it.

@@ -344,7 +344,7 @@ impl Input<'_> {
         }
     }
 
-    /// Tells what covers each facet: where nothing has changed, what it did.
+    /// Updates what covers each facet: where nothing has changed, the same as before, renumbered.
     fn cover_again(
         &self,
         all: &mut ConcavitySet,

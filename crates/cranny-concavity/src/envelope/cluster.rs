@@ -71,7 +71,7 @@ pub(super) fn clusters(
     if count <= options.leaf_faces {
         return vec![Cluster { start: 0, end: order.len(), moments: Moments::of(all), cost: 0.0 }];
     }
-    // It is divided first, so nobody asks for its sums.
+    // It is divided first, so its sums are not needed.
     let moments = Moments::of_count(count);
     let whole = Cluster { start: 0, end: order.len(), moments, cost: 0.0 };
     let mut parts = Vec::with_capacity(options.width.min(order.len()));
@@ -90,7 +90,7 @@ pub(super) fn clusters(
             _ => halves(items, order, opening, scratch),
         };
         let middle = start + left_items;
-        // Nobody asks what those cost that are not divided.
+        // The cost of a part that is not divided is not needed.
         let cost = |side: usize, moments: &Moments| {
             let is_divided = moments.count() > most;
             let known = || costs.map(|costs| costs[side]);

@@ -12,7 +12,7 @@
 //!
 //! Source: second moments of faces say how boxes lie in Gottschalk, Lin and Manocha (1996,
 //! "OBBTree: a hierarchical structure for rapid interference detection"); here a thickness alone is
-//! read off them. Cost: O(1) to add a crumb or two sums, and to ask for a normal or a cost.
+//! read off them. Cost: O(1) to add a crumb or two sums, and to compute a normal or a cost.
 
 use cranny_exact::{Aabb, DVec3};
 

@@ -69,7 +69,7 @@ impl Certificate {
         self.lo > 0.0 && self.hi - self.lo <= sides.resolution()
     }
 
-    /// Whether zero lies within the bounds and these meet: only exact predicates can tell.
+    /// Whether zero lies within the bounds and these meet: only exact predicates can decide then.
     pub(super) fn straddles(&self, sides: &Sides) -> bool {
         self.lo <= 0.0
             && self.hi <= sides.resolution()

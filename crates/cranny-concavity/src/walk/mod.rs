@@ -263,8 +263,8 @@ impl<O: WalkObserver> Query<'_, O> {
         self.sides.point_in(0, 1, self.sides.graph(1).center) - self.sides.graph(0).center
     }
 
-    /// Walks; an answer where a proof, or the exact predicates, can tell at the pair that it ends
-    /// at.
+    /// Walks. Returns an answer if a proof, or the exact predicates, decide at the pair where it
+    /// ends.
     fn walked(&mut self, start: [HullFeature; 2]) -> Option<HullAnswer> {
         let pair = match walk(self.sides, start, &mut self.trail) {
             End::Closest(pair) => pair,

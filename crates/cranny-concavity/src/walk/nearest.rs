@@ -11,7 +11,7 @@ use super::graph::{HullEdgeId, HullFeature};
 use super::sides::Sides;
 use cranny_geometry::triangle_distance::closest_on_segments;
 
-/// Squared sine of the angle between two edges below which their cross product does not tell the
+/// Squared sine of the angle between two edges below which their cross product does not give the
 /// direction between them better than their points do. Smaller, and needle-thin angles give crooked
 /// directions; larger, and edges that cross at real angles lose digits near touching. Either way
 /// only the width of an interval suffers: both directions are tried where the first does not do.

@@ -212,8 +212,8 @@ fn overlap_or_boundary(sides: &Sides, corners: [Corner; 3], direction: DVec3) ->
     }
 }
 
-/// Tells when a portal comes back: compared with one that is kept for twice as long each time
-/// (Brent 1980).
+/// Detects that a portal comes back: each is compared with one that is kept, each time for twice as
+/// long (Brent 1980).
 #[derive(Default)]
 struct Turns {
     kept: Option<Portal>,

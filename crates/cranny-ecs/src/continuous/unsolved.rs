@@ -25,7 +25,7 @@ use crate::kinematics::Kinematic;
 use crate::properties::AngularVelocity;
 
 /// How near a body is let to what it would meet, as a part of the smaller one's size. Larger: it
-/// stops visibly short; smaller: single precision does not tell the gap from none.
+/// stops visibly short; smaller: single precision does not resolve the gap.
 const NEAR: f64 = 1e-5;
 
 /// Where bodies are before anything moves, in each step.

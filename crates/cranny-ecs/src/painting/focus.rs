@@ -1,4 +1,5 @@
-//! The contact that tells most, and the plane that shows it: through the contact, along its normal.
+//! The contact that matters most, and the plane that shows it: through the contact, along its
+//! normal.
 
 use cranny_exact::{Aabb, DQuat, DVec3};
 use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Query};

@@ -1,7 +1,7 @@
 //! What the search of the narrow phase looks at, painted on the bodies as heat: from nothing, and
 //! with what the frames before have left.
 //!
-//! It asks the questions itself, of an observed copy of the search: the run knows nothing of it.
+//! The queries are its own, on an observed copy of the search: the run knows nothing of them.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -45,7 +45,7 @@ const DASH: f64 = 0.014;
 /// Pieces at most that a segment is divided into: all of its dashes, where it is in the picture.
 const PIECES_MAX: f64 = 256.0;
 
-/// Segments of curves of which it is asked whether they are hidden; with more, all are drawn alike.
+/// Segments of curves, at most, that are tested for being hidden; with more, all are drawn alike.
 const SEGMENTS_MAX: usize = 20_000;
 
 /// What colours and lengths are measured by.

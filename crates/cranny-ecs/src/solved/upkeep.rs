@@ -178,7 +178,7 @@ fn part(removed: On<Remove<Joint>>, mut bodies: ResMut<RigidBodies>) {
     }
 }
 
-/// Looks again who takes part, where what is asked has changed.
+/// Looks again who takes part, where effects have changed.
 pub(crate) fn relate(mut insertion: Insertion) {
     let bodies = &mut insertion.bodies;
     let asked = bodies.asked.as_ref().map(EffectTable::revision);
@@ -197,7 +197,7 @@ pub(crate) fn relate(mut insertion: Insertion) {
     }
 }
 
-/// Says of whom a step asks whether they respond, once it is known who takes part.
+/// Sets for which bodies a step decides whether they respond, once it is known who takes part.
 pub(crate) fn set_hooks(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodies>) {
     let same = bodies.asked.as_ref().is_some_and(|asked| asked.revision() == effects.revision());
     if same && bodies.hooks_are_current {

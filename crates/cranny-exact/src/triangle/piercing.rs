@@ -42,17 +42,17 @@ pub enum Piercing {
         on_triangle: TriangleFeature,
     },
     /// Both ends lie in the triangle's plane, or the triangle has no plane because its corners lie
-    /// on one line. They may share nothing, a point, or a whole segment: ask
-    /// [`classify_segment_triangle`], which answers for this case too.
+    /// on one line. They may share nothing, a point, or a whole segment:
+    /// [`classify_segment_triangle`] answers for this case too.
     Coplanar,
 }
 
 /// Which features of a closed segment and a closed triangle meet, where the segment crosses or
 /// touches the triangle's plane in one point.
 ///
-/// The point itself is not constructed; two callers that ask about the same corners in any order
-/// name the same features. Turning the segment around swaps `Start` and `End`; renumbering or
-/// turning the triangle renumbers its features.
+/// The point itself is not constructed; two calls with the same corners in any order name the same
+/// features. Turning the segment around swaps `Start` and `End`; renumbering or turning the
+/// triangle renumbers its features.
 ///
 /// Degenerate input: a segment of no length off the plane is a [`Piercing::Miss`], in the plane it
 /// is [`Piercing::Coplanar`]; a triangle of no area always is `Coplanar`.

@@ -52,7 +52,8 @@ pub struct Owned {
     pub ridges: u8,
     /// All sides that may, whatever face they count to.
     pub bent: u8,
-    /// Sides between two faces whose normals are more than 30 degrees apart.
+    /// Sides between faces whose normals are more than 30 degrees apart, or of which one has no
+    /// area. Of more faces than two at a side, two count.
     pub sharp: u8,
 }
 

@@ -3,8 +3,9 @@
 //! Where more than three extreme points lie in one plane, how their polygon is triangulated is left
 //! open by the points, and quickhull leaves it to the order in which it met them; a hull that
 //! follows moved points meets them in another. Whatever rounds over triangles, or grows from one to
-//! the next, would tell the two apart. So a surface is brought into one form: each exactly planar
-//! polygon is [halved], from its lowest vertex on, and each triangle names its lowest vertex first.
+//! the next, would differ between the two. So a surface is brought into one form: each exactly
+//! planar polygon is [halved], from its lowest vertex on, and each triangle names its lowest vertex
+//! first.
 //!
 //! Halving, and no fan: a vertex of a polygon of n corners gets O(log n) edges, so a climb over
 //! neighbours stays quick.

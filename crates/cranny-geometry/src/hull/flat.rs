@@ -1,7 +1,7 @@
 //! Which edges of a surface are flat, and which of its vertices are therefore not extreme.
 //!
-//! No source: signs alone. Cost: O(n), an exact sign for each edge of which the filter does not
-//! tell.
+//! No source: signs alone. Cost: O(n), and an exact sign for each edge that the filter leaves
+//! undecided.
 
 use cranny_exact::{DVec3, Sign};
 

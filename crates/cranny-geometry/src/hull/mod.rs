@@ -111,7 +111,7 @@ pub struct ConvexHull {
     surface: HullSurface,
     /// Made of positions and surface: `graph()`.
     graph: Late<SupportGraph>,
-    /// A half-edge that starts at each vertex; made of the surface when somebody asks for it.
+    /// A half-edge that starts at each vertex; made of the surface when it is first needed.
     leaving: Leaving,
     /// Made of positions.
     bounds: Late<Aabb>,

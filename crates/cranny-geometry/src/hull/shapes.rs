@@ -9,7 +9,7 @@ use cranny_exact::DVec3;
 
 use super::quickhull::HullSurface;
 
-/// What merging asks of each triangle.
+/// What merging reads of each triangle.
 pub(super) struct Shapes {
     /// The triangles that were looked at, ascending, where these are not all; an entry that says
     /// nothing comes first.
@@ -95,8 +95,8 @@ impl Shapes {
         }
     }
 
-    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge
-    /// leaves.
+    /// Marks an edge in both its triangles if it bends clearly. Each triangle comes with the corner
+    /// that the edge leaves.
     #[inline]
     fn bend(
         &mut self,

@@ -87,8 +87,8 @@ fn halves(x: f64) -> [f64; 2] {
     [high, x - high]
 }
 
-/// The side of the plane of a triangle on which a point lies, if twice the digits tell; `side` is
-/// prepared from the triangle, for a box that holds the point.
+/// The side of the plane of a triangle on which a point lies, if twice the digits decide it; `side`
+/// is prepared from the triangle, for a box that holds the point.
 pub(super) fn sign(side: &Side, [a, b, c]: [DVec3; 3], p: DVec3) -> Option<Sign> {
     let from_a = |q: DVec3| [0, 1, 2].map(|i| Pair::difference(q[i], a[i]));
     let [d, e, f] = [b, c, p].map(from_a);

@@ -53,7 +53,7 @@ impl Parts {
         std::mem::take(tree).into_made(|stored| stored.rebuild(mesh))
     }
 
-    /// Puts a tree in. What follows from the surface is made anew, when somebody asks.
+    /// Puts a tree in. What follows from the surface is made anew when it is next needed.
     pub(crate) fn put_tree(&mut self, tree: FaceTree) {
         self.tree = FromStored::made(tree);
         self.clusters = Late::default();

@@ -77,7 +77,7 @@ pub(super) fn unit_normal(mesh: &Mesh, face: FaceId) -> Option<DVec3> {
     Normal::of(mesh, face).map(|n| n.unit())
 }
 
-/// Those of all faces: growth asks for each several times, and measuring once more.
+/// Those of all faces: growth needs each several times, and measuring once more.
 #[derive(Default)]
 pub(super) struct Normals(Vec<Normal>);
 

@@ -92,9 +92,9 @@ fn start_of(mesh: &Mesh, half_edge: HalfEdgeId) -> VertexId {
     VertexId(mesh.faces().as_flattened()[half_edge.index()])
 }
 
-/// Walks from twin to twin around a vertex, telling each half-edge that begins there; whether it
-/// came around and passed all faces there. Collapsed faces are in no ring: the side from a vertex
-/// to itself has no twin.
+/// Walks from twin to twin around a vertex and visits each half-edge that begins there. Returns
+/// whether it came around and passed all faces there. Collapsed faces are in no ring: the side from
+/// a vertex to itself has no twin.
 fn walk(
     mesh: &Mesh,
     topology: &Topology,

@@ -1,4 +1,4 @@
-//! Which way faces are turned, as far as rounded numbers can tell for certain.
+//! Which way faces are turned, as far as rounded numbers decide it for certain.
 //!
 //! Source: bounds of rounding are derived below, by the rules of Higham (2002, "Accuracy and
 //! stability of numerical algorithms", chapters 2 and 3). Cost: O(1) a question.

@@ -17,7 +17,7 @@ use crate::topology::Topology;
 /// 1.5 the boxes of all nodes have as much area as without pairs, to within 0.7 %).
 const SNUG: f64 = 1.5;
 
-/// For each face the one that it is paired with, if any, and its box: trees and patches ask for it
+/// For each face the one that it is paired with, if any, and its box: trees and patches need it
 /// again and again.
 pub(crate) struct Mates {
     mates: Vec<FaceId>,

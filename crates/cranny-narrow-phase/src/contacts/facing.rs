@@ -99,8 +99,8 @@ impl Ridge {
     }
 
     /// Whether a direction of the body's frame does not lead into the body. At a reflex edge both
-    /// faces fall away from what leads inside. The sum of the normals tells; each of them by itself
-    /// would refuse half of what a sharp edge can touch.
+    /// faces fall away from what leads inside. The sum of the normals decides; each of them by
+    /// itself would refuse half of what a sharp edge can touch.
     pub(crate) fn leads_out(&self, direction: DVec3) -> bool {
         self.mean.dot(direction) >= 0.0
     }

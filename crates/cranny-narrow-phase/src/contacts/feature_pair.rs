@@ -32,7 +32,7 @@ pub(crate) enum Stand {
     Beside(Part),
 }
 
-/// The contact as told from the vertex's side: `side` holds what is at `p`.
+/// The contact as seen from the vertex's side: `side` holds what is at `p`.
 fn contact(
     side: Side,
     [own, its]: [Feature; 2],
@@ -65,7 +65,7 @@ pub(crate) fn vertex_face(
     }
     let Some(outward) = raw.try_normalize() else { return Stand::Over(None) };
     let separation = if height < 0.0 { -apart } else { apart };
-    // Lengths first: which way features face costs more to tell.
+    // Lengths first: which way features face costs more to decide.
     let real = separation <= below
         && separation >= -pair.length_error()
         && faces_towards(pair, side, vertex, -outward);
@@ -133,7 +133,7 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
     }
     let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
     let unit = cross / squared.sqrt();
-    // Lengths first: which way features face costs more to tell.
+    // Lengths first: which way features face costs more to decide.
     if unit.dot(point_b - point_a).abs() > below.max(pair.length_error()) {
         return None;
     }

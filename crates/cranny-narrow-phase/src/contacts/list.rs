@@ -377,7 +377,7 @@ fn corner(pair: &Pair, side: Side, vertex: VertexId, face: FaceId, below: f64) -
                 Part::Inside => false,
             };
             let rim = Feature::of_part(part, model, face);
-            // Two vertices are one pair, told from the first.
+            // Two vertices are one pair, found from the first.
             let twice = side == Side::Second && matches!(rim, Feature::Vertex(_));
             if is_owned && !twice { vertex_rim(pair, side, vertex, rim, below) } else { None }
         }

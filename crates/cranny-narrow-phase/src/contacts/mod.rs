@@ -77,24 +77,17 @@ pub(crate) struct Near {
 }
 
 /// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
-/// Of surfaces that are known to be parted, none meet.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
 /// solids overlap, a search of one nearest point for each vertex inside.
 pub(crate) fn near_patches(
     pair: &Pair,
-    (wanted, are_parted): (&Wanted, bool),
+    wanted: &Wanted,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
     counters: &mut impl Tally,
 ) -> Near {
     let coarse = Coarse::of(pair);
-    let (surface, meeting) = match are_parted {
-        true => {
-            memory.list(pair, wanted, coherent, counters);
-            (Surface::None, Vec::new())
-        }
-        false => memory.search(pair, wanted, coherent, counters),
-    };
+    let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
     let crosses = surface == Meeting::Cross;
     let left_to_regions = crosses && overlaps_by_regions(pair.models());
     let mut deep = match crosses && !left_to_regions {
@@ -153,7 +146,7 @@ fn patches_of(pair: &Pair, id: (Feature, Feature)) -> [PatchId; 2] {
 
 impl Contact {
     /// The patches whose contact this is: what stays the same from step to step while the features
-    /// change that lie nearest. `a` and `b` are the models that were asked about.
+    /// change that lie nearest. `a` and `b` are the models that were queried.
     #[must_use]
     pub fn patches(&self, a: &Model, b: &Model) -> (PatchId, PatchId) {
         let of = |model: &Model, feature| PatchId(patch_index(model, feature));

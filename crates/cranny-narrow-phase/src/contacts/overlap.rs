@@ -1,7 +1,7 @@
 //! Contacts where solids overlap: each vertex inside has its way out, each crossing of edges its
 //! depth.
 //!
-//! Vertices inside are reached from the faces that cross, along edges, and told exactly. The
+//! Vertices inside are reached from the faces that cross, along edges, and decided exactly. The
 //! nearest point of the other surface is the shortest local way out; at a face its direction is the
 //! face's normal. Edges that cross, each dipping under the other, are parted along their common
 //! normal.
@@ -308,7 +308,7 @@ mod tests {
     use cranny_shapes::{Comb, Cup, Shape, Torus};
     use cranny_testkit::Rng;
 
-    /// What is left out is less deep than what is told of the same patches.
+    /// What is left out is less deep than what is found of the same patches.
     #[test]
     fn the_deepest_contact_of_two_patches_is_found() {
         let shapes: [Shape; 3] = [

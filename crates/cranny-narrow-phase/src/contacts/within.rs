@@ -1,7 +1,7 @@
 //! Which vertices about a crossing lie inside the other solid.
 //!
 //! Both ends of an edge that does not meet the other surface are on one side of it. So one vertex
-//! is asked for all that hang together by such edges: mostly one within and one without, whatever
+//! is located for all that hang together by such edges: mostly one within and one without, whatever
 //! the number of faces that cross.
 
 use cranny_exact::{Meeting, WeightedPoint, classify_segment_triangle};
@@ -131,7 +131,7 @@ mod tests {
         model(Mesh::new(vertices, cube.faces().iter().copied().chain(again).collect()).unwrap())
     }
 
-    /// Every vertex that is reached is asked for itself.
+    /// Every vertex that is reached is located by itself.
     fn asked_one_by_one(pair: &Pair, side: Side, meeting: &[FacePair]) -> Vec<VertexId> {
         let mesh = pair.mesh(side);
         let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };

@@ -71,9 +71,9 @@ fn offer_all(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
     }
 }
 
-/// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest
-/// elsewhere: how often they were found, as a search of all finds them; and which they are, if
-/// surfaces do not meet.
+/// Searches for the nearest faces, without and with a way to begin with, knowing what was nearest
+/// elsewhere. Returns how often they were found, as a search of all finds them; and which they are,
+/// if surfaces do not meet.
 fn agrees(
     foremost: &mut Foremost,
     [a, b]: [Placed; 2],

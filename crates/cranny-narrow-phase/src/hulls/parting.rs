@@ -53,7 +53,7 @@ pub(crate) struct Parting {
 
 impl Parting {
     /// A lower bound of how far the surfaces are apart, or 0 if none was found; no bound beyond
-    /// `wanted` is sought, and none where no plane can part the hulls by so much.
+    /// `wanted` is sought.
     ///
     /// What it returns exceeds every rounding of the pair: no computed distance is below it.
     pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut impl Tally) -> f64 {
@@ -66,20 +66,17 @@ impl Parting {
             let centers = pair.first_from_second.apply(b) - a;
             (direction, trials) = (centers.normalize_or(DVec3::X), FIRST_TRIALS);
         }
-        let (mut best, mut parts, goal) = (0.0, None, wanted + pair.culling_error());
+        let (mut best, goal) = (0.0f64, wanted + pair.culling_error());
         for _ in 0..trials {
             let Some(seen) = HullGap::along(pair, direction, tops) else { return 0.0 };
             counters.counters().planes_tried += 1;
             tops = seen.tops.map(Some);
-            if seen.least > best {
-                (best, parts) = (seen.least, Some((direction, tops)));
-            }
-            // The hulls are no farther apart than two points of theirs.
-            if best > wanted || best > 0.0 && seen.between.length() <= wanted {
-                (self.direction, self.tops) = parts.unwrap_or((direction, tops));
+            best = best.max(seen.least);
+            if seen.least > wanted {
+                (self.direction, self.tops) = (direction, tops);
                 self.backoff.succeeded();
                 counters.counters().planes_parted += 1;
-                return best;
+                return seen.least;
             }
             let rest = (seen.between - goal * direction).normalize_or_zero();
             let before = direction;
@@ -93,10 +90,7 @@ impl Parting {
         }
         // The search goes on from here.
         (self.direction, self.tops) = (direction, tops);
-        match best > 0.0 {
-            true => self.backoff.succeeded(),
-            false => self.backoff.failed(),
-        }
+        self.backoff.failed();
         best
     }
 
@@ -224,20 +218,6 @@ mod tests {
             parted += 1;
         }
         assert!(parted > 100, "{parted}");
-    }
-
-    /// Nothing parts hulls by more than two of their points are apart: no other plane is tried.
-    #[test]
-    fn hulls_nearer_than_is_wanted_stay_parted_by_one_plane() {
-        let cube = model(Cuboid::default().build().unwrap());
-        let at = |x: f64, y: f64| Placed { model: &cube, pose: Pose::at(DVec3::new(x, y, 0.0)) };
-        let mut parting = Parting::default();
-        gap(&mut parting, at(0.0, 0.0), at(1.01, 0.0), 0.0);
-        for k in 0..20 {
-            let other = at(1.01, 0.001 * f64::from(k));
-            let (gap, counters) = gap(&mut parting, at(0.0, 0.0), other, 0.1);
-            assert!(gap > 0.009 && gap <= 0.01 && counters.planes_tried == 1, "{gap} {counters:?}");
-        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! How far apart triangles are at least, eight pairs at once.
 //!
 //! The points of two triangles that are nearest lie in two edges, or a corner faces the inside of a
-//! triangle. In that case the triangles' planes, which were tried before, tell the distance. In the
+//! triangle. In that case the triangles' planes, which were tried before, give the distance. In the
 //! other one the nearest points of some two edges do: the way between them is a direction along
 //! which the triangles are as far apart as they are at all. The bound is how far they are apart
 //! along the shortest such way; so it is certain however badly the points themselves are known.

@@ -73,8 +73,8 @@ impl Spent {
         (leaf.due.limit - self.of(leaf.due.radius) * ROUND_UP).next_down()
     }
 
-    /// Notes how far two clusters are apart at least now, as their faces tell; `posing` is what
-    /// posing rounds.
+    /// Notes how far two clusters are apart at least now, by their faces; `posing` is what posing
+    /// rounds.
     #[inline(always)]
     pub(crate) fn note(&self, leaf: &mut Leaf, separation: f64, posing: f64) {
         let known = separation - 2.0 * posing + self.of(leaf.due.radius);

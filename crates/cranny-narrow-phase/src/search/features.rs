@@ -2,9 +2,10 @@
 //!
 //! A vertex before a face, or before its rim; two ridges that cross as seen along their common
 //! normal. The vertices of one cluster are held against the planes of the other's faces, eight at
-//! once; of ridges the Gauss map tells first whether they can touch as they are turned (Gregorius,
-//! 2013, GDC, "The separating axis test between convex polyhedra"), then how far apart they are.
-//! What is left is a *candidate*, with a lower bound of its distance: double precision decides.
+//! once; of ridges the Gauss map decides first whether they can touch as they are turned
+//! (Gregorius, 2013, GDC, "The separating axis test between convex polyhedra"), then how far apart
+//! they are. What is left is a *candidate*, with a lower bound of its distance: double precision
+//! decides.
 //!
 //! Candidates can be made to last: all that may make a contact once anything has come nearer by
 //! `skin` and turned by `turn`.
@@ -116,7 +117,7 @@ impl Room {
     /// The lanes of points that are within reach of it.
     #[inline(always)]
     fn near(&self, points: &Wide3, reach: f32) -> u32 {
-        // The normal first, which tells most.
+        // The normal first: it rejects most.
         let beside = |i: usize| {
             within(points.dot(&Wide3::all(self.axes[i])).abs(), f32x8::splat(self.half[i] + reach))
         };

@@ -12,7 +12,7 @@ use crate::tally::Tally;
 /// is given up where it still saves time; smaller: motion that outruns it is followed in vain.
 const LEAST_AGE: u32 = 2;
 
-/// A cut that was outgrown by what is asked reaches so many times that. Less: margins that vary
+/// A cut that was outgrown by what is wanted reaches so many times that. Less: margins that vary
 /// outgrow it again; more: more clusters are listed.
 const OUTGROWN: f64 = 2.0;
 
@@ -59,7 +59,7 @@ impl KeptCut {
         self.last.as_ref()
     }
 
-    /// Whether what the cut tells of the last pose it tells of the last query's.
+    /// Whether the cut was at the pose of the last query.
     pub(crate) fn was_here(&self) -> bool {
         self.was_here
     }
@@ -88,7 +88,7 @@ impl KeptCut {
             self.cut = None;
             counters.counters().front_rebuilt += 1;
             if is_outgrown {
-                // What is asked varies, and may go on to.
+                // What is wanted varies, and may go on to.
                 build = OUTGROWN * reach.build;
             } else if !followed && self.age < LEAST_AGE {
                 counters.counters().bypassed += 1;

@@ -250,7 +250,7 @@ pub(crate) fn first_meeting(
     search(pair, ground, true, stack, counters)
 }
 
-/// The same as [`meeting_faces`], for whoever asks once.
+/// The same as [`meeting_faces`], for a caller that searches once.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
     meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
 }
@@ -310,7 +310,7 @@ pub(crate) fn meetings_in(
     (surface, found, StayedApart(stayed_apart))
 }
 
-/// Lists pairs of clusters within reach, and finds all faces that meet where asked for.
+/// Lists pairs of clusters within reach, and finds all faces that meet where wanted.
 struct Listing<'s, 'g, 'p, 'm> {
     meetings: Meetings<'g, 'p, 'm>,
     lists: Option<f64>,

@@ -51,7 +51,7 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         }
     }
 
-    /// Offers what was noted, the nearest first as far as single precision tells.
+    /// Offers what was noted, the nearest first as far as single precision shows.
     fn measure(&mut self, counters: &mut impl Tally) {
         let unit = self.ground.tree(Side::First).unit();
         let limit = |faces: &NearestFaces| ((faces.limit() / unit) as f32).next_up();

@@ -57,7 +57,7 @@ impl Vicinity {
     ) {
         let point = Point::of(tree, p, allowance);
         if (p - self.center).length() + reach > self.reach || self.boxes.is_empty() {
-            // Of the first point, nothing tells how far from it the next will be.
+            // After the first point, it is unknown how far from it the next will be.
             let stride = if reach < f64::INFINITY { reach } else { 0.0 };
             let radius = point.nearest_cluster(&mut reach, counters, &mut visit);
             self.center = p;

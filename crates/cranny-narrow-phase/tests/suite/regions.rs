@@ -328,6 +328,34 @@ fn open_surfaces_have_curves_but_neither_depth_nor_area() {
     assert!(answer.regions.is_empty() && !answer.solid);
 }
 
+/// A corner that touches hangs on no curve.
+#[test]
+fn open_surfaces_cross_in_one_place_and_touch_in_another() {
+    let mesh = |corners: &[[f64; 3]]| {
+        let faces = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]);
+        let vertices = corners.iter().map(|&p| DVec3::from_array(p));
+        model(cranny_geometry::Mesh::new(vertices.collect(), faces.collect()).unwrap())
+    };
+    let floor = mesh(&[[-10.0, -10.0, 0.0], [10.0, -10.0, 0.0], [0.0, 10.0, 0.0]]);
+    let crossing = [[0.0, 0.0, -1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
+    let touching = [[3.0, 0.0, 0.0], [3.0, 1.0, 1.0], [4.0, 0.0, 1.0]];
+    for flaps in [[crossing, touching], [touching, crossing]] {
+        let flaps = mesh(&flaps.concat());
+        for [a, b] in [[&floor, &flaps], [&flaps, &floor]] {
+            let (a, b) = (at(a, 0.0, 0.0, 0.0), at(b, 0.0, 0.0, 0.0));
+            let answer = regions(a, b);
+            assert_eq!(answer.surface, Meeting::Cross);
+            assert_eq!(only(&answer).curves.len(), 1, "{}", reported(&answer));
+            let contacts = ask(a, b, Demand::contacts(0.01)).contacts;
+            assert!(contacts.iter().any(|c| c.point_a.x < 1.0), "{contacts:?}");
+        }
+        let alone = mesh(&touching);
+        let answer = regions(at(&floor, 0.0, 0.0, 0.0), at(&alone, 0.0, 0.0, 0.0));
+        assert_eq!(answer.surface, Meeting::Touch);
+        assert_eq!(only(&answer).points.len(), 1, "{}", reported(&answer));
+    }
+}
+
 /// Of a box that has sunk in a little askew, corners come out of the floor just beside what the
 /// curve encloses.
 #[test]

@@ -268,7 +268,7 @@ impl Simulation {
     }
 
     /// Whether the motor of a joint in reduced coordinates was at its greatest effort at the
-    /// beginning of the last step, so that it could not do what it was asked.
+    /// beginning of the last step, so that it could not do what was required.
     #[must_use]
     pub fn is_strained(&self, joint: JointIndex) -> bool {
         let JointPlace::Reduced(number) = joint.0 else { return false };

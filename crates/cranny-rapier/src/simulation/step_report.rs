@@ -153,7 +153,7 @@ impl Simulation {
                 let logged = self.log.get(first, second)?;
                 let fresh = logged.step == step;
                 if !fresh && pair.manifolds().is_empty() {
-                    return None; // rapier dropped the pair without asking
+                    return None; // rapier dropped the pair without a query
                 }
                 let before = self.poses_before[first as usize];
                 let world = before.world_from_body();

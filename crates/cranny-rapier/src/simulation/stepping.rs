@@ -92,7 +92,7 @@ impl Simulation {
     }
 
     /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs:
-    /// rapier asks about no more, and the solver sees no more.
+    /// rapier queries no farther, and the solver sees no farther.
     fn looking_ahead(&mut self) -> IntegrationParameters {
         let mut parameters = self.parameters;
         if self.options.detector != Detector::Cranny {

@@ -1,7 +1,7 @@
 //! STL, ASCII and binary.
 //!
 //! The word 'solid' at the start proves nothing: many binary files begin with it. A file is binary
-//! when its size is what its face count asks for, or when it holds bytes that no text has.
+//! when its size is what its face count implies, or when it holds bytes that no text has.
 
 use cranny_exact::DVec3;
 
@@ -38,7 +38,7 @@ fn size(faces: u64) -> u64 {
 }
 
 /// Whether a file plainly is a binary one, whatever its name: it has the size that its number of
-/// faces asks for.
+/// faces implies.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     promised(bytes).is_some_and(|faces| faces > 0 && size(faces) == bytes.len() as u64)
 }

@@ -105,7 +105,7 @@ fn at(line: Option<u32>) -> String {
 }
 
 fn list(paths: &[PathBuf]) -> String {
-    /// Deep folders give dozens of candidates; the nearest ones tell the story.
+    /// Deep folders give dozens of candidates; the nearest ones are enough.
     const NAMED: usize = 4;
     let mut names: Vec<_> =
         paths.iter().take(NAMED).map(|path| path.display().to_string()).collect();

@@ -239,7 +239,7 @@ fn note_of_size(name: &str, mesh: &Mesh) -> Option<String> {
     })
 }
 
-/// Findings that tell of faces within the solid, which enclose a part of it twice.
+/// Findings that mean faces within the solid, which enclose a part of it twice.
 const INNER: [FindingKind; 2] = [FindingKind::SelfIntersection, FindingKind::NestedSolid];
 
 /// What remains in a mesh and limits answers, a sentence a kind.

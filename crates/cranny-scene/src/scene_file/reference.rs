@@ -2,8 +2,8 @@
 //! each that holds a value.
 //!
 //! The reader's own types say what these are: a [`Tracer`] is a source of values that records what
-//! a type asks for. It follows a path of names into [`SceneFile`] and stops at its end, so each
-//! path of the format is one run.
+//! a type expects. It follows a path of names into [`SceneFile`] and stops at its end, so each path
+//! of the format is one run.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt::{self, Display};
@@ -20,7 +20,7 @@ use super::syntax::SceneFile;
 
 type Names = &'static [&'static str];
 
-/// What a type asks for.
+/// What a type expects.
 #[derive(Clone, Copy, Debug)]
 enum Found {
     /// A number, a text, a variant without content.

@@ -1,5 +1,5 @@
-//! What is asked about bodies and pairs: effects, margins, demands. CONTRIBUTING, 'An effect',
-//! says how to add one.
+//! What is wanted of bodies and pairs: effects, margins, demands. CONTRIBUTING, 'An effect', says
+//! how to add one.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::error::WorldError;
 
 /// Effects and demands.
 impl World {
-    /// Says what is asked about all bodies, in place of what was asked before.
+    /// Sets the scene's effects, which hold for all bodies, in place of those set before.
     ///
     /// # Errors
     ///
@@ -26,7 +26,7 @@ impl World {
         ids.into_iter().try_for_each(|id| self.refresh_box(id))
     }
 
-    /// Says what is asked about one body, in place of what was asked before.
+    /// Sets the effects of one body, in place of those set before.
     ///
     /// # Errors
     ///
@@ -38,7 +38,7 @@ impl World {
         self.refresh_box(body)
     }
 
-    /// Says what is asked about one pair, in place of what was asked before.
+    /// Sets the effects of one pair, in place of those set before.
     ///
     /// # Errors
     ///
@@ -118,7 +118,7 @@ impl World {
         (within_budget || level != Accuracy::Exact).then_some(level)
     }
 
-    /// Says that a pair never meets, whatever is asked: links joined by a joint overlap by design.
+    /// Says that a pair never meets, whatever is wanted: links joined by a joint overlap by design.
     ///
     /// # Errors
     ///
@@ -153,7 +153,7 @@ impl World {
     }
 
     /// Says what somebody reads of the effect `Contacts` from now on: no more is computed for it.
-    /// Until then, all. Where nobody reads anything, the effect asks nothing. An answer may hold
+    /// Until then, all. Where nobody reads anything, the effect needs nothing. An answer may hold
     /// more than is read.
     ///
     /// Boxes keep the margins of the effects, so candidate pairs do not depend on it.
@@ -172,10 +172,9 @@ impl World {
         self.read_of_pairs.get(&pair).map_or(self.read, |&besides| besides.join(self.read))
     }
 
-    /// What is asked of the narrow phase about a pair: the least that tells the fields which are
+    /// What is wanted of the narrow phase for a pair: the least that gives the fields which are
     /// read, joined over the scene's, both bodies' and the pair's effects; [`Demand::None`] where
-    /// the pair
-    /// [may not meet](Self::may_meet).
+    /// the pair [may not meet](Self::may_meet).
     ///
     /// # Errors
     ///

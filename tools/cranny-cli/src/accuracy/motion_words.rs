@@ -34,7 +34,7 @@ pub(super) struct PeersApart {
 
 impl PeersApart {
     /// Returns whether convex pieces mostly overlap where bodies are apart. Where triangle meshes
-    /// do so too, gaps are smaller than single precision tells.
+    /// do so too, gaps are smaller than single precision resolves.
     fn fills_gaps(&self) -> bool {
         let Self { mesh, pieces } = self;
         2 * pieces.wrong > pieces.poses && 10 * mesh.wrong <= mesh.poses

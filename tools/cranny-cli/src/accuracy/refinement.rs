@@ -33,7 +33,7 @@ pub(super) struct Rested {
     median_us: Option<f64>,
 }
 
-/// Asks at each of some poses frame after frame, from no memory on. Ends early where that takes
+/// Queries each of some poses frame after frame, from no memory on. Ends early where that takes
 /// longer than `patience`.
 pub(super) fn rested(motion: &Motion, budget: u64, patience: Duration) -> Vec<Rested> {
     let poses: Vec<usize> = centers(motion.len(), POSES).collect();

@@ -35,7 +35,7 @@ pub(super) struct Series<T> {
 }
 
 impl<T> Series<T> {
-    /// Decides at which of the candidates to ask, so that a run takes no longer than `patience`.
+    /// Decides which of the candidates to query, so that a run takes no longer than `patience`.
     pub(super) fn planned(
         motion: &Motion,
         method: &mut dyn Method,

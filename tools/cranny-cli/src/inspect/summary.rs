@@ -43,7 +43,7 @@ pub(super) struct Summary {
     pub(super) hull: HullLine,
     pub(super) features: FeaturesLine,
     pub(super) concavities: Vec<ConcavityLine>,
-    /// Why pockets tell no volume; null where they do.
+    /// Why the volumes of pockets are unknown; null where they are known.
     pub(super) volumes_unknown: Option<&'static str>,
     /// Volume between the hull and the faces on it.
     pub(super) skin_volume: f64,

@@ -20,7 +20,7 @@ use crate::words::counted;
 /// what it mostly is; more: nothing changes but the time.
 const POSES_BEFORE: usize = 12;
 
-/// What is asked, and of whom.
+/// A query, with its models and poses.
 pub(super) struct Searched<'a> {
     pub(super) models: [&'a Model; 2],
     pub(super) names: [String; 2],
@@ -49,7 +49,7 @@ impl<'a> Searched<'a> {
         picture::draw(path, || self.drawing(&observed))
     }
 
-    /// Asks again, and looks on; `None` where there are no poses.
+    /// Repeats the query under observation; `None` where there are no poses.
     fn observed(&self) -> Result<Option<Observed<'a>>, QueryError> {
         let Some((&last, earlier)) = self.poses.split_last() else { return Ok(None) };
         let before = if self.cold { 0 } else { earlier.len().min(POSES_BEFORE) };

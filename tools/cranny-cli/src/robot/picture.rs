@@ -15,7 +15,7 @@ const MEETS: Color = Color::rgb(220, 40, 40);
 /// Opacity of links that collide with nothing, which are drawn by their visual meshes.
 const GLASS: u8 = 110;
 
-/// The links at their poses, in colours that tell them apart.
+/// The links at their poses, in colours that distinguish them.
 pub(super) fn draw_list(
     robot: &Robot,
     poses: &[Pose],

@@ -16,7 +16,7 @@ use cranny_geometry::BuildOptions;
 use cranny_shapes::{Cuboid, Cup, Cylinder, Floor, IsoBolt, IsoNut, Shape, Torus};
 use cranny_testkit::Rng;
 
-/// How many directions are asked for.
+/// How many directions are compared.
 const DIRECTIONS: usize = 400;
 
 fn shape(shape: impl Into<Shape>) -> Model {
@@ -122,7 +122,7 @@ impl Scene {
         }
         let [m1, m2, m3] = memory.each_mut().map(|(coherent, kept)| (coherent, kept));
         let all = across_gaps(&pair, margin, m1, &mut counters);
-        let near = near_patches(&pair, (&Wanted::within(margin), false), m2, &mut counters);
+        let near = near_patches(&pair, &Wanted::within(margin), m2, &mut counters);
         assert!(near.meeting.is_empty(), "{}: they overlap", self.name);
         let regions = near_regions(&pair, margin, m3, &mut counters);
         for (coherent, _) in memory.iter_mut() {

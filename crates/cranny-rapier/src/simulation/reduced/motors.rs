@@ -165,7 +165,7 @@ struct Spring {
     stiffness: f64,
     rest: f64,
     damping: f64,
-    /// Whether it is softer than the motor asks.
+    /// Whether it is softer than the motor requires.
     strained: bool,
 }
 

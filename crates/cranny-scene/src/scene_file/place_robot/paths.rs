@@ -13,7 +13,7 @@ use crate::scene_file::motor_path::too_fast;
 use crate::scene_file::syntax::RobotFile;
 
 /// Instants of a robot's paths at which its links are looked at. Fewer: links that meet in between
-/// are not told of; more: a scene with a robot of many meshes takes seconds to read.
+/// are not reported; more: a scene with a robot of many meshes takes seconds to read.
 const INSTANTS: u32 = 64;
 
 /// By joint.

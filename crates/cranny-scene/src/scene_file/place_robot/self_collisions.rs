@@ -9,8 +9,8 @@ use super::{Placing, listed, pairs_that_meet};
 use crate::scene_file::syntax::SelfCollisionsFile;
 
 impl Placing<'_> {
-    /// Pairs of scene bodies that never meet: of one group; unless all are asked for, joined by a
-    /// joint, disabled, or meeting at rest.
+    /// Pairs of scene bodies that never meet: of one group, or disabled; as `self_collisions` says,
+    /// also those joined by a joint and those that meet at rest, or all.
     pub(super) fn excluded(
         &mut self,
         disabled: &[[String; 2]],

@@ -65,7 +65,7 @@ pub(super) struct Canvas<'m> {
     /// What stands below the picture: the other lines of the legend.
     caption: Vec<String>,
     glass: (Vec<DVec3>, Vec<[u32; 3]>, Vec<Color>),
-    /// Whether a face is drawn as glass; none, as long as nobody asks for it.
+    /// Whether a face is drawn as glass; at first none is.
     is_glass: Vec<bool>,
 }
 
@@ -217,7 +217,7 @@ impl<'m> Canvas<'m> {
             let color = Color::WHITE.with_alpha(GLASS);
             self.list.instances.push(Instance::solid(glass, Pose::IDENTITY, color));
         }
-        // The shadow of what is taken away would tell of it.
+        // The shadow of what is taken away would still show it.
         let ground = Ground::under(&self.list.bounds());
         self.list.ground = Some(Ground { shadows: cut.is_none(), ..ground });
         let Self { list, keys, caption, legend, .. } = self;
