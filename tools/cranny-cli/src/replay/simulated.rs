@@ -199,7 +199,7 @@ fn compared(
     let [were, are] = [events(recorded, until)?, events(again, until)?];
     let same = were.iter().zip(&are).take_while(|(was, is)| was.1 == is.1).count();
     let words = |(at, event): &(f64, EventMessage)| {
-        (*at, format!("{} of {} and {}", event.kind, event.a, event.b))
+        (*at, format!("{} and {}: {}", event.a, event.b, event.kind))
     };
     let other_event = were.get(same).or(are.get(same)).map(words);
     let mut found = SimulatedAgain {
