@@ -74,7 +74,7 @@ fn built(root: &Path) -> Result<PathBuf, String> {
     let output = Command::new(cargo)
         .current_dir(root)
         .env("CARGO_INCREMENTAL", "0")
-        .args(["build", "--workspace", "--features", FEATURES])
+        .args(["build", "--workspace", "--exclude", "cranny-rerun", "--features", FEATURES])
         .args(["--bin", "cranny-bench", "--message-format", "json"])
         .output()
         .map_err(|e| format!("cannot run cargo build: {e}"))?;
