@@ -5,12 +5,10 @@
 //! of MacDonald and Booth, 1990): by places, or by normals, which part the flanks of a thread.
 //! Cost: O(n log n) sorting, and a few boxes over all points for each level.
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::DVec3;
 
 use super::lanes::{LANES, Lanes, Lanes3};
-use super::oriented::{
-    Frame, OrientedBox, Spread, best_frame, frame_across, half_area, half_surface,
-};
+use super::oriented::{Frame, OrientedBox, best_frame, frame_across, frame_along, half_area};
 use super::wrenches::WrenchLanes;
 use super::{Child, Surface, WideNode, grow};
 use crate::ids::FaceId;
@@ -38,13 +36,9 @@ struct Item {
     group: usize,
     /// Where its corners are among all points.
     points: [usize; 2],
-    spread: Spread,
+    center: DVec3,
     normal: DVec3,
     bounds: OrientedBox,
-    /// Along the body's axes.
-    upright: Aabb,
-    /// By what sets are ordered: the coordinates of the centre, then those of the normal.
-    keys: [f64; 6],
 }
 
 struct Builder {
@@ -53,6 +47,8 @@ struct Builder {
     nodes: Vec<WideNode>,
     order: Vec<usize>,
     bounds: Vec<OrientedBox>,
+    /// Scratch.
+    gathered: Vec<DVec3>,
 }
 
 pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
@@ -62,6 +58,7 @@ pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
         nodes: Vec::new(),
         order: Vec::with_capacity(groups.len()),
         bounds: Vec::with_capacity(groups.len()),
+        gathered: Vec::new(),
     };
     for (group, faces) in groups.iter().enumerate() {
         builder.take(surface, group, faces);
@@ -79,7 +76,7 @@ impl Builder {
         let vertices = surface.vertices_of(faces);
         self.points.extend(vertices.iter().map(|v| surface.places[v.index()]));
         let points = &self.points[start..];
-        let (spread, normal) = (Spread::of(points), grow::mean(surface, faces));
+        let normal = grow::mean(surface, faces);
         let frame = if normal == DVec3::ZERO {
             DVec3::AXES
         } else {
@@ -88,14 +85,13 @@ impl Builder {
                 [b - a, c - b, a - c]
             });
             let across = sides.filter_map(|side| frame_across(normal, side));
-            let along = spread.frame_along(normal);
+            let along = frame_along(points, normal);
             best_frame(points, std::iter::once(along).chain(across))
         };
         let bounds = OrientedBox::around(points, &frame);
-        let upright = Aabb::of_points(points.iter().copied());
-        let ([x, y, z], [u, v, w]) = (bounds.center.map(f64::from), normal.to_array());
-        let (points, keys) = ([start, self.points.len()], [x, y, z, u, v, w]);
-        self.items.push(Item { group, points, spread, normal, bounds, upright, keys });
+        let center = DVec3::from_array(bounds.center.map(f64::from));
+        let points = [start, self.points.len()];
+        self.items.push(Item { group, points, center, normal, bounds });
     }
 
     /// Makes the node over some clusters, and all below it; returns its index.
@@ -131,42 +127,41 @@ impl Builder {
         index
     }
 
-    fn items<'s>(&'s self, set: &'s [u32]) -> impl Iterator<Item = &'s Item> + Clone {
-        set.iter().map(|&item| &self.items[item as usize])
+    fn gather(&mut self, set: &[u32]) {
+        self.gathered.clear();
+        for &item in set {
+            let [start, end] = self.items[item as usize].points;
+            self.gathered.extend_from_slice(&self.points[start..end]);
+        }
     }
 
-    fn points<'s>(&'s self, set: &'s [u32]) -> impl Iterator<Item = &'s DVec3> {
-        self.items(set).flat_map(|item| &self.points[item.points[0]..item.points[1]])
+    fn frames(&self, set: &[u32]) -> [Frame; 2] {
+        let normal = set.iter().map(|&item| self.items[item as usize].normal).sum::<DVec3>();
+        let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
+        [DVec3::AXES, frame_along(&self.gathered, normal)]
     }
 
-    /// The frame along the mean normal of a set.
-    fn frame(&self, set: &[u32]) -> Frame {
-        let normal = self.items(set).map(|item| item.normal).sum::<DVec3>();
-        let spread = Spread::joined(self.items(set).map(|item| &item.spread));
-        spread.frame_along(normal.try_normalize().unwrap_or(DVec3::ZERO))
-    }
-
-    fn bounds_of(&self, set: &[u32]) -> OrientedBox {
-        let points: Vec<DVec3> = self.points(set).copied().collect();
-        let frames = [DVec3::AXES, self.frame(set)];
-        OrientedBox::around(&points, &best_frame(&points, frames.into_iter()))
+    fn bounds_of(&mut self, set: &[u32]) -> OrientedBox {
+        self.gather(set);
+        let frame = best_frame(&self.gathered, self.frames(set).into_iter());
+        OrientedBox::around(&self.gathered, &frame)
     }
 
     /// Half the surface of the box over a set, times its number.
-    fn weight(&self, set: &[u32]) -> f64 {
-        let upright = self.items(set).fold(Aabb::EMPTY, |all, item| all.union(&item.upright));
-        let area = half_surface(upright.max - upright.min);
-        area.min(half_area(self.points(set), &self.frame(set))) * set.len() as f64
+    fn weight(&mut self, set: &[u32]) -> f64 {
+        self.gather(set);
+        let frames = self.frames(set);
+        let areas = frames.map(|frame| half_area(&self.gathered, &frame));
+        areas[0].min(areas[1]) * set.len() as f64
     }
 
     /// Orders a set of at least two and returns where it is cut.
-    fn cut(&self, set: &mut [u32]) -> usize {
+    fn cut(&mut self, set: &mut [u32]) -> usize {
         let count = set.len();
         if count > FEW {
             let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            for item in self.items(set) {
-                let [x, y, z, ..] = item.keys;
-                let center = DVec3::new(x, y, z);
+            for &item in set.iter() {
+                let center = self.items[item as usize].center;
                 (least, most) = (least.min(center), most.max(center));
             }
             let size = (most - least).to_array();
@@ -185,11 +180,9 @@ impl Builder {
                 if middle == 0 || middle == count {
                     continue;
                 }
+                let weight = self.weight(&set[..middle]) + self.weight(&set[middle..]);
                 // By more than rounding.
-                let most = best.0 * 0.999;
-                let first = self.weight(&set[..middle]);
-                let weight = if first < most { first + self.weight(&set[middle..]) } else { first };
-                if weight < most {
+                if weight < best.0 * 0.999 {
                     best = (weight, key, middle);
                 }
             }
@@ -200,7 +193,10 @@ impl Builder {
 
     /// By a coordinate of the centre, or of the normal.
     fn sort(&self, set: &mut [u32], key: usize) {
-        let of = |item: u32| self.items[item as usize].keys[key];
+        let of = |item: u32| {
+            let Item { center, normal, .. } = &self.items[item as usize];
+            if key < 3 { center[key] } else { normal[key - 3] }
+        };
         set.sort_unstable_by(|&x, &y| of(x).total_cmp(&of(y)).then(x.cmp(&y)));
     }
 }

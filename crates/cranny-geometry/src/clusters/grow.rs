@@ -9,7 +9,7 @@ use cranny_exact::DVec3;
 
 use super::Surface;
 use super::lanes::LANES;
-use super::oriented::{Spread, half_area};
+use super::oriented::{frame_along, half_area};
 use crate::ids::FaceId;
 
 /// Cosine of the angle between a face's normal and that of its group at most: 14 degrees. Smaller
@@ -125,5 +125,5 @@ pub(super) fn mean(surface: &Surface, faces: &[FaceId]) -> DVec3 {
 fn box_area(surface: &Surface, faces: &[FaceId], normal: DVec3, points: &mut Vec<DVec3>) -> f64 {
     points.clear();
     points.extend(faces.iter().flat_map(|&face| surface.triangle(face)));
-    half_area(&*points, &Spread::of(points).frame_along(normal))
+    half_area(points, &frame_along(points, normal))
 }

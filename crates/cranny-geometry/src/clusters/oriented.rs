@@ -29,66 +29,25 @@ const LEAST_SINE_SQUARED: f64 = 0.01;
 /// angles count.
 const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
-/// Where points lie, and how far they spread about their mean.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spread {
-    count: f64,
-    mean: DVec3,
-    /// Sums of squares of what they are off the mean by, and of products: yz, zx, xy.
-    squares: DVec3,
-    products: DVec3,
-}
-
-impl Spread {
-    pub(super) fn of(points: &[DVec3]) -> Self {
-        let count = points.len() as f64;
-        let at = |p: &DVec3| Self { count: 1.0, mean: *p, ..Self::NONE };
-        Self::about(count, points.iter().sum::<DVec3>() / count, points.iter().map(at))
+/// The frame along a normal (unit, or zero: that of the body) that lies along the points' greatest
+/// spread across it.
+pub(super) fn frame_along(points: &[DVec3], normal: DVec3) -> Frame {
+    if normal == DVec3::ZERO {
+        return DVec3::AXES;
     }
-
-    /// Of all points of some.
-    pub(super) fn joined<'s>(parts: impl Iterator<Item = &'s Self> + Clone) -> Self {
-        let count = parts.clone().map(|part| part.count).sum();
-        let sum = parts.clone().map(|part| part.count * part.mean).sum::<DVec3>();
-        Self::about(count, sum / count, parts.copied())
+    let (u, v) = normal.any_orthonormal_pair();
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+    for p in points {
+        let (x, y) = (u.dot(*p - mean), v.dot(*p - mean));
+        (a, b, c) = (a + x * x, b + x * y, c + y * y);
     }
-
-    const NONE: Self =
-        Self { count: 0.0, mean: DVec3::ZERO, squares: DVec3::ZERO, products: DVec3::ZERO };
-
-    fn about(count: f64, mean: DVec3, parts: impl Iterator<Item = Self>) -> Self {
-        let mut all = Self { count, mean, ..Self::NONE };
-        for part in parts {
-            let off = part.mean - mean;
-            all.squares += part.squares + part.count * off * off;
-            all.products += part.products + part.count * mixed(off, off);
-        }
-        all
-    }
-
-    /// The frame along a normal (unit, or zero: that of the body) that lies along the points'
-    /// greatest spread across it.
-    pub(super) fn frame_along(&self, normal: DVec3) -> Frame {
-        if normal == DVec3::ZERO {
-            return DVec3::AXES;
-        }
-        let (u, v) = normal.any_orthonormal_pair();
-        let between = |u: DVec3, v: DVec3| {
-            self.squares.dot(u * v) + self.products.dot(mixed(u, v) + mixed(v, u))
-        };
-        let (a, b, c) = (between(u, u), between(u, v), between(v, v));
-        // Principal direction of [[a, b], [b, c]], without a transcendental function.
-        let half = 0.5 * (a - c);
-        let root = (half * half + b * b).sqrt();
-        let (x, y) = if half >= 0.0 { (half + root, b) } else { (b, root - half) };
-        let along = (u * x + v * y).try_normalize().unwrap_or(u);
-        [along, normal.cross(along), normal]
-    }
-}
-
-/// The products yz, zx and xy of two vectors.
-fn mixed(u: DVec3, v: DVec3) -> DVec3 {
-    DVec3::new(u.y * v.z, u.z * v.x, u.x * v.y)
+    // Principal direction of [[a, b], [b, c]], without a transcendental function.
+    let half = 0.5 * (a - c);
+    let root = (half * half + b * b).sqrt();
+    let (x, y) = if half >= 0.0 { (half + root, b) } else { (b, root - half) };
+    let along = (u * x + v * y).try_normalize().unwrap_or(u);
+    [along, normal.cross(along), normal]
 }
 
 /// The frame along a normal that has an axis along a direction; `None` where that leads along the
@@ -103,7 +62,7 @@ pub(super) fn frame_across(normal: DVec3, direction: DVec3) -> Option<Frame> {
 }
 
 /// How far points reach along a frame's directions: least and most.
-fn extents<'p>(points: impl IntoIterator<Item = &'p DVec3>, frame: &Frame) -> [DVec3; 2] {
+fn extents(points: &[DVec3], frame: &Frame) -> [DVec3; 2] {
     let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in points {
         let at = DVec3::new(frame[0].dot(*p), frame[1].dot(*p), frame[2].dot(*p));
@@ -113,13 +72,9 @@ fn extents<'p>(points: impl IntoIterator<Item = &'p DVec3>, frame: &Frame) -> [D
 }
 
 /// Half the surface of the box along a frame.
-pub(super) fn half_area<'p>(points: impl IntoIterator<Item = &'p DVec3>, frame: &Frame) -> f64 {
+pub(super) fn half_area(points: &[DVec3], frame: &Frame) -> f64 {
     let [least, most] = extents(points, frame);
-    half_surface(most - least)
-}
-
-/// Half the surface of a box of a size.
-pub(super) fn half_surface(size: DVec3) -> f64 {
+    let size = most - least;
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
