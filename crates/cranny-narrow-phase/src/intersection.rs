@@ -18,8 +18,8 @@
 use std::collections::HashMap;
 
 use cranny_exact::{
-    CrossingEnd, DVec3, Meeting, Piercing, SegmentFeature, Sign, TriangleFeature, locate_piercing,
-    orient3d,
+    Crossing, CrossingEnd, DVec3, Meeting, Piercing, SegmentFeature, Sign, TriangleFeature,
+    locate_piercing, orient3d,
 };
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
 
@@ -91,26 +91,16 @@ fn in_general_position(pair: &Pair, pairs: &[FacePair]) -> Option<Intersection> 
     let mut named = Numbering::default();
     for p in pairs {
         let crossing = p.crossing?;
-        let faces = [p.first, p.second];
-        let triangles =
-            [pair.triangle(Side::First, p.first), pair.triangle(Side::Second, p.second)];
         let mut nodes = [0; 2];
-        // Nodes are numbered in an order of their own, whichever way the segment runs.
-        let backward = crossing.ends[1] < crossing.ends[0];
-        for which in if backward { [1, 0] } else { [0, 1] } {
-            let end = crossing.ends[which];
-            let owner = usize::from(end.owner);
-            let half_edge = HalfEdgeId::of(faces[owner], usize::from(end.edge));
-            let edge = pair.topology(Side::BOTH[owner]).edge_of(half_edge);
-            // A mesh has fewer than 2^31 faces, since its half-edges have numbers.
-            let pierced = u64::from(faces[1 - owner].0) << 1 | u64::from(end.owner);
-            let (number, is_new) = named.number(u64::from(edge.0) << 32 | pierced);
+        for which in numbered_ends(crossing) {
+            let end = PiercedEnd::of(pair, p, crossing, which);
+            let (number, is_new) = named.number(end.key());
             if is_new {
-                out.nodes.push(pierced_node(pair, edge, end, which == 1, faces, &triangles));
+                out.nodes.push(end.node(pair));
             }
             nodes[which] = number as usize;
         }
-        out.segments.push(Segment { faces, nodes });
+        out.segments.push(Segment { faces: [p.first, p.second], nodes });
     }
     Some(out)
 }
@@ -125,30 +115,69 @@ fn feature_by_feature(pair: &Pair, pairs: &[FacePair]) -> Intersection {
     builder.out
 }
 
+/// The first node of two faces' intersection, as [`intersect`] numbers them; `None` where it has
+/// none.
+pub(crate) fn first_node(pair: &Pair, faces: &FacePair) -> Option<Node> {
+    match faces.crossing {
+        Some(crossing) => {
+            let [first, _] = numbered_ends(crossing);
+            Some(PiercedEnd::of(pair, faces, crossing, first).node(pair))
+        }
+        None => feature_by_feature(pair, std::slice::from_ref(faces)).nodes.first().copied(),
+    }
+}
+
+/// The ends of a segment in the order in which its nodes are numbered: one of their own, whichever
+/// way the segment runs.
+fn numbered_ends(crossing: Crossing) -> [usize; 2] {
+    if crossing.ends[1] < crossing.ends[0] { [1, 0] } else { [0, 1] }
+}
+
 /// Where an edge of one of two faces that cross pierces the other.
-fn pierced_node(
-    pair: &Pair,
+struct PiercedEnd {
     edge: EdgeId,
     end: CrossingEnd,
+    /// The segment ends here, and does not begin.
     is_end: bool,
     faces: [FaceId; 2],
-    triangles: &[[DVec3; 3]; 2],
-) -> Node {
-    let (owner, i) = (usize::from(end.owner), usize::from(end.edge));
-    let (own, other) = (&triangles[owner], &triangles[1 - owner]);
-    let corners = pair.mesh(Side::BOTH[owner]).corners(faces[owner]);
-    let along = corners[i] <= corners[(i + 1) % 3];
-    // As the first's face has its edge, it goes inward where the segment ends; as the second's,
-    // where it begins.
-    let inward = (is_end == (owner == 0)) == along;
-    let ends = if along { [own[i], own[(i + 1) % 3]] } else { [own[(i + 1) % 3], own[i]] };
-    let parameter = piercing_parameter(&ends, other);
-    let features = match owner {
-        0 => (Feature::Edge(edge), Feature::Face(faces[1])),
-        _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
-    };
-    let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
+}
+
+impl PiercedEnd {
+    fn of(pair: &Pair, p: &FacePair, crossing: Crossing, which: usize) -> Self {
+        let (end, faces) = (crossing.ends[which], [p.first, p.second]);
+        let owner = usize::from(end.owner);
+        let half_edge = HalfEdgeId::of(faces[owner], usize::from(end.edge));
+        let edge = pair.topology(Side::BOTH[owner]).edge_of(half_edge);
+        Self { edge, end, is_end: which == 1, faces }
+    }
+
+    /// The edge, the pierced face and whose the edge is, in one number.
+    fn key(&self) -> u64 {
+        // A mesh has fewer than 2^31 faces, since its half-edges have numbers.
+        let pierced = self.faces[1 - usize::from(self.end.owner)];
+        let pierced = u64::from(pierced.0) << 1 | u64::from(self.end.owner);
+        u64::from(self.edge.0) << 32 | pierced
+    }
+
+    fn node(&self, pair: &Pair) -> Node {
+        let Self { edge, end, is_end, faces } = *self;
+        let (owner, i) = (usize::from(end.owner), usize::from(end.edge));
+        let triangle = |k: usize| pair.triangle(Side::BOTH[k], faces[k]);
+        let (own, other) = (triangle(owner), triangle(1 - owner));
+        let corners = pair.mesh(Side::BOTH[owner]).corners(faces[owner]);
+        let along = corners[i] <= corners[(i + 1) % 3];
+        // As the first's face has its edge, it goes inward where the segment ends; as the second's,
+        // where it begins.
+        let inward = (is_end == (owner == 0)) == along;
+        let ends = if along { [own[i], own[(i + 1) % 3]] } else { [own[(i + 1) % 3], own[i]] };
+        let parameter = piercing_parameter(&ends, &other);
+        let features = match owner {
+            0 => (Feature::Edge(edge), Feature::Face(faces[1])),
+            _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
+        };
+        let point = ends[0] + (ends[1] - ends[0]) * parameter;
+        Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
+    }
 }
 
 struct Builder<'a, 'b> {

@@ -5,7 +5,7 @@ use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::triangle_distance;
 
 use crate::answer::{Feature, Surface, Witness};
-use crate::intersection::intersect;
+use crate::intersection::first_node;
 use crate::pair::{Pair, Side};
 use crate::tally::Tally;
 
@@ -41,8 +41,7 @@ impl FacePair {
     /// intersection, or a corner of their overlap. World coordinates.
     #[must_use]
     pub fn witnesses(&self, pair: &Pair) -> [Witness; 2] {
-        let intersection = intersect(pair, std::slice::from_ref(self));
-        let (point, features) = match intersection.nodes.first() {
+        let (point, features) = match first_node(pair, self) {
             Some(node) => (node.point, node.features),
             None => {
                 let nearest = triangle_distance(

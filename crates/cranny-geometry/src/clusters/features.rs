@@ -55,10 +55,13 @@ pub struct Owned {
     /// Sides between faces whose normals are more than 30 degrees apart, or of which one has no
     /// area. Of more faces than two at a side, two count.
     pub sharp: u8,
+    /// Sides at which a vertex can touch what counts to the face: the side, or a corner at one of
+    /// its ends.
+    pub rims: u8,
 }
 
 /// Which features count to each face.
-pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
+pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<Owned> {
     let Surface { mesh, topology, normals, .. } = surface;
     let key = |f: FaceId| (patches.patch_of_face(f), f);
     let is_sharp = |along: &[HalfEdgeId]| {
@@ -67,8 +70,9 @@ pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
     };
     let of = |face: FaceId| {
         let (own, mut owned) = (key(face), Owned::default());
+        let corners = mesh.corners(face);
         for i in 0..3 {
-            let around = topology.faces_at(mesh.corners(face)[i]);
+            let around = topology.faces_at(corners[i]);
             owned.corners |= u8::from(around.iter().all(|&f| key(f) >= own)) << i;
             let along = topology.half_edges(topology.edge_of(HalfEdgeId::of(face, i)));
             let is_owned = along.iter().all(|h| key(h.face()) >= own);
@@ -77,6 +81,11 @@ pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
             owned.ridges |= u8::from(is_owned && is_bent) << i;
             owned.bent |= u8::from(is_bent) << i;
             owned.sharp |= u8::from(is_sharp(along)) << i;
+        }
+        let is_tip = |i: usize| owned.corners >> i & 1 != 0 && tips[corners[i].index()].is_one();
+        for i in 0..3 {
+            let is_rim = owned.ridges >> i & 1 != 0 || is_tip(i) || is_tip((i + 1) % 3);
+            owned.rims |= u8::from(is_rim) << i;
         }
         owned
     };
@@ -206,16 +215,15 @@ pub(super) fn faces(
     };
     let all = || faces.iter().copied();
     let lanes = |of: &dyn Fn(FaceId) -> f64| Lanes::of(all().map(of), 0.0);
-    let is_rim = |face: FaceId| {
-        let owned = owned[face.index()];
-        owned.corners | owned.ridges != 0
+    let rims = |side: usize| {
+        let is_rim = |face: FaceId| u32::from(owned[face.index()].rims >> side & 1);
+        all().enumerate().map(|(i, face)| is_rim(face) << i).sum()
     };
-    let rims = all().enumerate().map(|(i, face)| u32::from(is_rim(face)) << i).sum();
     FaceLanes {
         ids: named(faces),
         patches: named(&faces.iter().map(|&f| patches.patch_of_face(f)).collect::<Vec<_>>()),
         count: faces.len() as u32,
-        rims,
+        rims: [rims(0), rims(1), rims(2)],
         normal: Lanes3::of(all().map(normal)),
         top: lanes(&|f| most(f, normal(f))),
         bottom: lanes(&|f| -most(f, -normal(f))),
@@ -228,7 +236,7 @@ pub(super) fn faces(
 /// Vertices side by side.
 pub(super) fn corners(
     surface: &Surface,
-    patches: &Patches,
+    (patches, tips): (&Patches, &[Tip]),
     vertices: &[VertexId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> Vec<CornerLanes> {
@@ -237,14 +245,12 @@ pub(super) fn corners(
         patches.patch_of_vertex(surface.topology, vertex).unwrap_or(PatchId(u32::MAX))
     };
     let chunks = vertices.chunks(LANES).map(|chunk| {
-        let tips = chunk.iter().enumerate();
+        let is_tip = |v: &VertexId| u32::from(tips[v.index()].is_one());
         CornerLanes {
             ids: named(chunk),
             patches: named(&chunk.iter().map(|&v| patch(v)).collect::<Vec<_>>()),
             count: chunk.len() as u32,
-            tips: tips
-                .map(|(i, &v)| u32::from(!matches!(Tip::of(surface, v), Tip::None)) << i)
-                .sum(),
+            tips: chunk.iter().enumerate().map(|(i, v)| is_tip(v) << i).sum(),
             points: Lanes3::of(chunk.iter().map(|v| from(surface.places[v.index()]))),
         }
     });
@@ -292,7 +298,18 @@ pub(super) enum Tip {
 }
 
 impl Tip {
-    pub(super) fn of(surface: &Surface, vertex: VertexId) -> Self {
+    /// Of all vertices.
+    pub(super) fn all(surface: &Surface) -> Vec<Self> {
+        let vertices = 0..surface.mesh.vertices().len() as u32;
+        vertices.map(|v| Self::of(surface, VertexId(v))).collect()
+    }
+
+    /// Whether there may be some.
+    fn is_one(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+
+    fn of(surface: &Surface, vertex: VertexId) -> Self {
         let at = surface.places[vertex.index()];
         let mut around: Vec<VertexId> = Vec::new();
         for &face in surface.topology.faces_at(vertex) {

@@ -27,8 +27,8 @@ mod wrenches;
 
 use cranny_exact::{Aabb, DVec3};
 
-use self::features::Owners;
 pub use self::features::{Owned, may_be_ridge};
+use self::features::{Owners, Tip};
 pub use self::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 pub use self::oriented::OrientedBox;
 pub use self::wrenches::{WRENCH, WrenchBox, WrenchLanes};
@@ -168,7 +168,8 @@ impl ClusterTree {
         let surface = Surface { mesh, topology, places: &places, normals: &normals };
         let groups = grow::groups(&surface);
         let owners = Owners::of(&surface, &groups);
-        let owned = features::owned(&surface, patches);
+        let tips = Tip::all(&surface);
+        let owned = features::owned(&surface, patches, &tips);
         let built = build::build(&surface, &groups);
         let mut tree = Self {
             origin,
@@ -184,7 +185,8 @@ impl ClusterTree {
         };
         for (number, &group) in built.order.iter().enumerate() {
             let bounds = built.bounds[number];
-            tree.add((&surface, patches), (&groups[group], owners.of_group(group)), bounds);
+            let of_mesh = (&surface, patches, tips.as_slice());
+            tree.add(of_mesh, (&groups[group], owners.of_group(group)), bounds);
         }
         wrenches::fill_nodes(&mut tree.nodes, &tree.clusters);
         tree
@@ -193,7 +195,7 @@ impl ClusterTree {
     /// Adds a cluster: its faces, and the features that are looked at from it.
     fn add(
         &mut self,
-        (surface, patches): (&Surface, &Patches),
+        (surface, patches, tips): (&Surface, &Patches, &[Tip]),
         (faces, share): (&[FaceId], features::Share),
         bounds: OrientedBox,
     ) {
@@ -202,13 +204,13 @@ impl ClusterTree {
         let range = |start: usize, end: usize| [start as u32, end as u32];
         let (points, corners, ridges) = (self.points.len(), self.corners.len(), self.ridges.len());
         self.points.extend(features::points(surface, faces, from));
-        self.corners.extend(features::corners(surface, patches, share.vertices, from));
+        self.corners.extend(features::corners(surface, (patches, tips), share.vertices, from));
         self.ridges.extend(features::ridges(surface, patches, share.edges, from));
         self.clusters.push(Cluster {
             center: self.origin + self.unit * middle,
             bounds: OrientedBox { center: [0.0; 3], ..bounds },
             normal: features::mean_normal(surface, faces),
-            wrenches: wrenches::of_cluster(surface, faces, share),
+            wrenches: wrenches::of_cluster((surface, tips), faces, share),
             faces: features::faces(surface, (&self.owned, patches), faces, from),
             points: range(points, self.points.len()),
             corners: range(corners, self.corners.len()),

@@ -123,7 +123,11 @@ impl WrenchLanes {
 }
 
 /// The box of a cluster's contacts: of its faces, and of the features that are looked at from it.
-pub(super) fn of_cluster(surface: &Surface, faces: &[FaceId], share: Share) -> WrenchBox {
+pub(super) fn of_cluster(
+    (surface, tips): (&Surface, &[Tip]),
+    faces: &[FaceId],
+    share: Share,
+) -> WrenchBox {
     let mut found = WrenchBox::NONE;
     for &face in faces {
         let Some(normal) = certain_normal(surface, face) else { return WrenchBox::WHOLE };
@@ -146,7 +150,7 @@ pub(super) fn of_cluster(surface: &Surface, faces: &[FaceId], share: Share) -> W
         }
     }
     for &vertex in share.vertices {
-        let is_known = match Tip::of(surface, vertex) {
+        let is_known = match &tips[vertex.index()] {
             Tip::None => true,
             Tip::Cone(borders) => {
                 let borders = outward(surface, vertex, borders);
@@ -163,14 +167,14 @@ pub(super) fn of_cluster(surface: &Surface, faces: &[FaceId], share: Share) -> W
 
 /// Of the borders of a tip's cone those that its faces look along, where the cone is a line: all
 /// edges lie in a plane.
-fn outward(surface: &Surface, vertex: VertexId, borders: Vec<DVec3>) -> Vec<DVec3> {
+fn outward(surface: &Surface, vertex: VertexId, borders: &[DVec3]) -> Vec<DVec3> {
     let line = borders[0];
     if borders.iter().any(|border| border.cross(line).length() > f64::from(SPARE)) {
-        return borders;
+        return borders.to_vec();
     }
     let around = surface.topology.faces_at(vertex).iter();
     let normal: DVec3 = around.map(|&face| surface.normal(face)).sum();
-    borders.into_iter().filter(|border| border.dot(normal) > 0.0).collect()
+    borders.iter().copied().filter(|border| border.dot(normal) > 0.0).collect()
 }
 
 /// The normal of a face, if posing does not turn it.

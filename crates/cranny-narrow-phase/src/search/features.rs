@@ -390,11 +390,18 @@ impl Before<'_> {
             if near == 0 {
                 continue;
             }
-            // Over the inside, or straight before the rim, and not behind; or a tip before a rim.
+            // Over the inside, or straight before the rim, and not behind; or a tip before what
+            // counts to the face of a side that it lies beyond: there the nearest point is.
+            let slack = f32x8::splat(skin);
             let over = within(beside, f32x8::splat(skin + STRAIGHT * reach))
-                & within(faces.bottom - height, f32x8::splat(skin));
-            let rims = if block.tips >> lane & 1 != 0 { self.lanes.rims } else { 0 };
-            near &= over | rims;
+                & within(faces.bottom - height, slack);
+            near &= match block.tips >> lane & 1 {
+                0 => over,
+                _ => {
+                    let [a, b, c] = self.lanes.rims;
+                    over | within(-x, slack) & a | within(-y, slack) & b | within(-z, slack) & c
+                }
+            };
             if near == 0 {
                 continue;
             }

@@ -39,6 +39,12 @@ pub(crate) struct ReducedJoints {
     next: u32,
 }
 
+impl ReducedJoints {
+    pub(super) fn is_empty(&self) -> bool {
+        self.joints.is_empty()
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "snapshot", derive(serde::Serialize, serde::Deserialize))]
 struct ReducedJoint {

@@ -22,7 +22,10 @@ impl Simulation {
     /// ([`set_hooked`](Self::set_hooked) says about what).
     pub fn step_with(&mut self, hooks: &impl StepHooks) {
         let whole = self.parameters;
-        self.parts = self.parts_needed();
+        let (parts, looked) = self.parts_needed();
+        self.parts = parts;
+        // That of the step is that of its only part, unless motors change motions in between.
+        let mut looked = looked.filter(|_| parts == 1 && self.reduced.is_empty());
         self.timings = Timings::default();
         self.earlier_points.clear();
         self.held_back = 0;
@@ -33,7 +36,7 @@ impl Simulation {
             self.parameters.dt = whole.dt / self.parts as Real;
             let iterations = whole.num_solver_iterations.div_ceil(self.parts);
             self.parameters.num_solver_iterations = iterations;
-            self.advance(hooks);
+            self.advance(looked.take(), hooks);
             self.hold_back(hooks);
             self.timings = self.timings.plus(&self.timings_of_part());
         }
@@ -44,21 +47,24 @@ impl Simulation {
         self.forget_parted();
     }
 
-    /// How many parts the next step is made in.
-    fn parts_needed(&mut self) -> usize {
+    /// How many parts the next step is made in, and what it [looks ahead](Self::looking_ahead) by,
+    /// if that was needed to know.
+    fn parts_needed(&mut self) -> (usize, Option<IntegrationParameters>) {
         // Before the first step the broad phase knows nobody's neighbours.
         let may = self.options.detector == Detector::Cranny && self.options.most_parts > 1;
         if !(may && self.settled) {
-            return 1;
+            return (1, None);
         }
         let parameters = self.looking_ahead();
         let world =
             World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
-        self.motions.parts(&world, &mut self.broad_phase, &parameters, self.options.most_parts)
+        let most = self.options.most_parts;
+        let parts = self.motions.parts(&world, &mut self.broad_phase, &parameters, most);
+        (parts, Some(parameters))
     }
 
-    /// A step of rapier's.
-    fn advance(&mut self, hooks: &impl StepHooks) {
+    /// A step of rapier's; `looked`: by what it looks ahead, where that is known.
+    fn advance(&mut self, looked: Option<IntegrationParameters>, hooks: &impl StepHooks) {
         self.log.begin_step();
         self.searches.begin_step();
         let poses: Vec<_> = self.indices().map(|index| (index, self.pose(index))).collect();
@@ -66,7 +72,7 @@ impl Simulation {
             self.poses_before[index as usize] = pose;
         }
         self.drive_joints();
-        let parameters = self.looking_ahead();
+        let parameters = looked.unwrap_or_else(|| self.looking_ahead());
         self.looked_ahead = parameters.prediction_distance();
         self.pipeline.step(
             narrow(self.options.gravity),

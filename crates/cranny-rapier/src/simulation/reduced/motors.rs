@@ -34,7 +34,7 @@ const NEAR: f64 = 2e-3;
 impl Simulation {
     /// Says what drives and what resists each joint in the coming step.
     pub(in crate::simulation) fn drive_joints(&mut self) {
-        if self.reduced.joints.is_empty() {
+        if self.reduced.is_empty() {
             return;
         }
         if self.joined {
