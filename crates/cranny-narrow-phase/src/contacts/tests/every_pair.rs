@@ -167,3 +167,38 @@ fn edges_of_faces_that_are_parallel_are_listed() {
     }
     assert!(crossed > 50, "{crossed}");
 }
+
+/// A spike whose tip is at the origin: each of its three sides is cut from the tip to the middle of
+/// the base, and the tip counts to a face that begins (or ends) at such a cut.
+fn spike(begins: bool) -> Model {
+    let base = [[1.0, 0.0], [-0.5, 0.75], [-0.5, -0.75]];
+    let base = base.map(|[x, y]: [f64; 2]| DVec3::new(0.25 * x, 0.25 * y, -1.0));
+    let ring = (0..3).flat_map(|i| [base[i], 0.5 * (base[i] + base[(i + 1) % 3])]);
+    let vertices = std::iter::once(DVec3::ZERO).chain(ring).collect();
+    // The base comes first: the other ends of the cuts count to it.
+    let mut faces = vec![[2, 1, 6], [4, 3, 2], [6, 5, 4], [2, 6, 4]];
+    let mut sides: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
+    sides.rotate_left(usize::from(begins));
+    faces.append(&mut sides);
+    Model::build(Mesh::new(vertices, faces).unwrap(), &BuildOptions::default()).unwrap().0
+}
+
+/// What is nearest to a tip may lie beyond the cut alone, of the sides of the face that speaks for
+/// the tip.
+#[test]
+fn tips_of_narrow_faces_are_listed() {
+    let bodies = [spike(true), spike(false)];
+    let (mut rng, mut met) = (Rng::new(8), [0; 2]);
+    for round in 0..1_000 {
+        let [a, b] = [&bodies[round % 2], &bodies[round / 2 % 2]];
+        let pose = Pose { rotation: rng.rotation(), translation: 0.1 * rng.direction() };
+        let [a, b] = [(a, Pose::IDENTITY), (b, pose.accepted().unwrap())]
+            .map(|(model, pose)| Placed { model, pose });
+        let pair = Pair::of_accepted(a, b);
+        let truth = by_all_pairs(&pair, 0.2);
+        assert_eq!(by_list(&pair, 0.2), truth, "round {round}");
+        let of_tips = |m: &&Made| matches!(m.0, (Feature::Vertex(_), Feature::Vertex(_)));
+        met[round % 2] += truth.iter().filter(of_tips).count();
+    }
+    assert!(met.iter().all(|&n| n > 50), "{met:?}");
+}
