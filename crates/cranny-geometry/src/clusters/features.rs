@@ -71,8 +71,8 @@ pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<O
     let of = |face: FaceId| {
         let (own, mut owned) = (key(face), Owned::default());
         let corners = mesh.corners(face);
-        for i in 0..3 {
-            let around = topology.faces_at(corners[i]);
+        for (i, &corner) in corners.iter().enumerate() {
+            let around = topology.faces_at(corner);
             owned.corners |= u8::from(around.iter().all(|&f| key(f) >= own)) << i;
             let along = topology.half_edges(topology.edge_of(HalfEdgeId::of(face, i)));
             let is_owned = along.iter().all(|h| key(h.face()) >= own);

@@ -72,8 +72,8 @@ pub struct FaceLanes {
     pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
-    /// For each side a bit for each face at which a vertex can touch that side or an end of it: what
-    /// counts to the face.
+    /// For each side a bit for each face at which a vertex can touch that side or an end of it:
+    /// what counts to the face.
     pub rims: [u32; 3],
     /// Unit, or zero without area.
     pub normal: Lanes3,
