@@ -272,8 +272,8 @@ impl Motions {
     }
 
     /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the
-    /// prediction distance that rapier needs: no contact that a pair's reach holds is
-    /// farther.
+    /// prediction distance that rapier needs where that is longer than its own: no contact that a
+    /// pair's reach holds is farther.
     ///
     /// `settled`: whether the broad phase has boxes of all bodies where they are.
     pub(crate) fn look(
@@ -283,7 +283,7 @@ impl Motions {
         parameters: &IntegrationParameters,
         gravity: Vector,
         settled: bool,
-    ) -> Real {
+    ) -> Option<Real> {
         let base = parameters.prediction_distance();
         let fall = gravity.length() * parameters.dt * parameters.dt;
         let reserve = UNFORESEEN * base + fall;
@@ -302,7 +302,7 @@ impl Motions {
         };
         *self.0.write().unwrap_or_else(PoisonError::into_inner) =
             KnownMotions { bodies, base, reserve };
-        reach.max(base)
+        (reach > base).then_some(reach)
     }
 }
 

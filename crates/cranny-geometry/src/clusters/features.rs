@@ -82,7 +82,7 @@ pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<O
             owned.bent |= u8::from(is_bent) << i;
             owned.sharp |= u8::from(is_sharp(along)) << i;
         }
-        let is_tip = |i: usize| owned.corners >> i & 1 != 0 && tips[corners[i].index()].is_one();
+        let is_tip = |i: usize| owned.corners >> i & 1 != 0 && tips[corners[i].index()].may_be();
         for i in 0..3 {
             let is_rim = owned.ridges >> i & 1 != 0 || is_tip(i) || is_tip((i + 1) % 3);
             owned.rims |= u8::from(is_rim) << i;
@@ -209,9 +209,11 @@ pub(super) fn faces(
     let most = |face: FaceId, along: DVec3| {
         triangle(face).map(|p| along.dot(p)).into_iter().fold(f64::NEG_INFINITY, f64::max)
     };
+    // Of slivers, rounding turns the normal, and nothing is beyond a side for certain.
     let side = |face: FaceId, i: usize| {
         let t = triangle(face);
-        (t[(i + 1) % 3] - t[i]).cross(normal(face)).normalize_or_zero()
+        let normal = surface.certain_normal(face).unwrap_or(DVec3::ZERO);
+        (t[(i + 1) % 3] - t[i]).cross(normal).normalize_or_zero()
     };
     let all = || faces.iter().copied();
     let lanes = |of: &dyn Fn(FaceId) -> f64| Lanes::of(all().map(of), 0.0);
@@ -245,7 +247,7 @@ pub(super) fn corners(
         patches.patch_of_vertex(surface.topology, vertex).unwrap_or(PatchId(u32::MAX))
     };
     let chunks = vertices.chunks(LANES).map(|chunk| {
-        let is_tip = |v: &VertexId| u32::from(tips[v.index()].is_one());
+        let is_tip = |v: &VertexId| u32::from(tips[v.index()].may_be());
         CornerLanes {
             ids: named(chunk),
             patches: named(&chunk.iter().map(|&v| patch(v)).collect::<Vec<_>>()),
@@ -305,7 +307,7 @@ impl Tip {
     }
 
     /// Whether there may be some.
-    fn is_one(&self) -> bool {
+    fn may_be(&self) -> bool {
         !matches!(self, Self::None)
     }
 

@@ -308,6 +308,11 @@ impl ClusterTree {
     }
 }
 
+/// A face of less height than this, in the tree's unit, says nothing of its normal at a pose: what
+/// posing rounds turns it. Smaller: bounds are passed by faces that are nearly lines; larger:
+/// clusters of fine meshes are not bounded.
+const LEAST_HEIGHT: f64 = 1.0 / (1 << 16) as f64;
+
 /// What clusters are made of.
 pub(crate) struct Surface<'a> {
     mesh: &'a Mesh,
@@ -325,6 +330,15 @@ impl Surface<'_> {
 
     fn normal(&self, face: FaceId) -> DVec3 {
         self.normals[face.index()]
+    }
+
+    /// The normal of a face, if posing does not turn it.
+    fn certain_normal(&self, face: FaceId) -> Option<DVec3> {
+        let [a, b, c] = self.triangle(face);
+        let longest = (b - a).length_squared().max((c - b).length_squared());
+        let longest = longest.max((a - c).length_squared()).sqrt();
+        let area = (b - a).cross(c - a).length();
+        (area > LEAST_HEIGHT * longest).then(|| self.normal(face))
     }
 
     /// The vertices of some faces, each once, ascending.

@@ -19,11 +19,6 @@ use super::lanes::{LANES, Lanes};
 use super::{Cluster, Surface, WideNode};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 
-/// A face of less height than this, in the tree's unit, says nothing of its normal at a pose: what
-/// posing rounds turns it. Smaller: bounds are passed by faces that are nearly lines; larger:
-/// clusters of fine meshes are not bounded.
-const LEAST_HEIGHT: f64 = 1.0 / (1 << 16) as f64;
-
 /// Number of coordinates of a wrench: those of the force, and of its moment about the tree's
 /// origin, in the tree's unit.
 pub const WRENCH: usize = 6;
@@ -130,7 +125,7 @@ pub(super) fn of_cluster(
 ) -> WrenchBox {
     let mut found = WrenchBox::NONE;
     for &face in faces {
-        let Some(normal) = certain_normal(surface, face) else { return WrenchBox::WHOLE };
+        let Some(normal) = surface.certain_normal(face) else { return WrenchBox::WHOLE };
         surface.triangle(face).into_iter().for_each(|p| found.add(p, normal));
     }
     for &edge in share.edges {
@@ -141,7 +136,7 @@ pub(super) fn of_cluster(
             return WrenchBox::WHOLE;
         }
         let normals: Option<Vec<DVec3>> =
-            [h, g].iter().map(|h| certain_normal(surface, h.face())).collect();
+            [h, g].iter().map(|h| surface.certain_normal(h.face())).collect();
         let ends = surface.topology.edges()[edge.index()];
         let is_known =
             normals.is_some_and(|n| found.add_between(surface, &n, &[ends.from, ends.to]));
@@ -175,15 +170,6 @@ fn outward(surface: &Surface, vertex: VertexId, borders: &[DVec3]) -> Vec<DVec3>
     let around = surface.topology.faces_at(vertex).iter();
     let normal: DVec3 = around.map(|&face| surface.normal(face)).sum();
     borders.iter().copied().filter(|border| border.dot(normal) > 0.0).collect()
-}
-
-/// The normal of a face, if posing does not turn it.
-fn certain_normal(surface: &Surface, face: FaceId) -> Option<DVec3> {
-    let [a, b, c] = surface.triangle(face);
-    let longest = (b - a).length_squared().max((c - b).length_squared());
-    let longest = longest.max((a - c).length_squared()).sqrt();
-    let area = (b - a).cross(c - a).length();
-    (area > LEAST_HEIGHT * longest).then(|| surface.normal(face))
 }
 
 /// Gives each lane of the nodes, of which each stands before those below it, the box of what it

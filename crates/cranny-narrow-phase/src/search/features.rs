@@ -370,7 +370,7 @@ impl Before<'_> {
         limits: Limits,
         mut found: impl FnMut(usize, usize, f32),
     ) {
-        let Limits { reach, skin, error, .. } = limits;
+        let Limits { reach, skin, error, turn, .. } = limits;
         let near = self.room.near(points, reach) & ((1 << block.count) - 1);
         if near == 0 {
             return;
@@ -390,18 +390,16 @@ impl Before<'_> {
             if near == 0 {
                 continue;
             }
-            // Over the inside, or straight before the rim, and not behind; or a tip before what
-            // counts to the face of a side that it lies beyond: there the nearest point is.
-            let slack = f32x8::splat(skin);
-            let over = within(beside, f32x8::splat(skin + STRAIGHT * reach))
+            // Over the inside, or straight before the rim, and not behind; or a tip beyond a side
+            // of which something counts to the face: the nearest point lies on a side like that.
+            // As bodies turn, what is before a face shifts beside it.
+            let shift = skin + turn * reach;
+            let slack = f32x8::splat(shift);
+            let over = within(beside, f32x8::splat(shift + STRAIGHT * reach))
                 & within(faces.bottom - height, slack);
-            near &= match block.tips >> lane & 1 {
-                0 => over,
-                _ => {
-                    let [a, b, c] = self.lanes.rims;
-                    over | within(-x, slack) & a | within(-y, slack) & b | within(-z, slack) & c
-                }
-            };
+            let [a, b, c] = self.lanes.rims;
+            let rims = || within(-x, slack) & a | within(-y, slack) & b | within(-z, slack) & c;
+            near &= over | if block.tips >> lane & 1 != 0 { rims() } else { 0 };
             if near == 0 {
                 continue;
             }

@@ -24,8 +24,13 @@ impl Simulation {
         let whole = self.parameters;
         let (parts, looked) = self.parts_needed();
         self.parts = parts;
-        // That of the step is that of its only part, unless motors change motions in between.
-        let mut looked = looked.filter(|_| parts == 1 && self.reduced.is_empty());
+        // A second look at an only part sees nothing new, unless motors change motions in between,
+        // or what is fast has grown the boxes by which its neighbours are found.
+        let is_calm = |looked: &IntegrationParameters| {
+            looked.normalized_prediction_distance == whole.normalized_prediction_distance
+        };
+        let mut looked =
+            looked.filter(|looked| parts == 1 && is_calm(looked) && self.reduced.is_empty());
         self.timings = Timings::default();
         self.earlier_points.clear();
         self.held_back = 0;
@@ -110,7 +115,9 @@ impl Simulation {
         let gravity = narrow(self.options.gravity);
         let ahead = self.motions.look(&world, broad_phase, &parameters, gravity, self.settled);
         self.settled = true;
-        parameters.normalized_prediction_distance = ahead / parameters.length_unit;
+        if let Some(ahead) = ahead {
+            parameters.normalized_prediction_distance = ahead / parameters.length_unit;
+        }
         parameters
     }
 
