@@ -15,10 +15,10 @@ use crate::foremost::Foremost;
 use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
-    Ground, KeptCut, Lists, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
-    near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
+    Ground, KeptCut, Lists, Reach, list_near, meeting_faces, meetings_in, near_clusters,
+    nearest_faces, nearest_in, nearest_or_meeting,
 };
-use crate::surface::{FacePair, strongest};
+use crate::surface::FacePair;
 use crate::tally::Tally;
 
 /// Crossing faces that are kept at most. More: more to look at before giving up; fewer: a search
@@ -77,9 +77,6 @@ pub(crate) struct Coherent {
     stayed_apart: bool,
     /// `apart` is of this query's pose.
     is_judged: bool,
-    /// Scratch: pairs of clusters within reach among it.
-    stack: Vec<Pending>,
-    listed: Vec<[u32; 2]>,
 }
 
 impl Coherent {
@@ -112,7 +109,7 @@ impl Coherent {
     /// Lets go of what is of use only while surfaces are near each other.
     pub(crate) fn let_go(&mut self) {
         if self.cut.bytes() > 0 {
-            (self.cut, self.listed, self.stack) = Default::default();
+            self.cut = KeptCut::default();
         }
     }
 
@@ -169,11 +166,10 @@ impl Coherent {
                 {
                     return verdict;
                 }
-                if !ends_at_crossing {
-                    return all_meetings(pair, &ground, &mut self.stack, counters);
+                let (surface, found) = meeting_faces(pair, &ground, ends_at_crossing, counters);
+                if ends_at_crossing {
+                    self.first = found.iter().find(|p| p.meeting == Meeting::Cross).copied();
                 }
-                let (surface, found) = first_meeting(pair, &ground, &mut self.stack, counters);
-                self.first = found.iter().find(|p| p.meeting == Meeting::Cross).copied();
                 (surface, found)
             }
         }
@@ -189,7 +185,7 @@ impl Coherent {
         counters: &mut impl Tally,
     ) -> Option<(Surface, Vec<FacePair>)> {
         let mut nearest = self.seeded(pair, below, counters);
-        let met = nearest_or_meeting(ground, &mut self.stack, &mut nearest, counters);
+        let met = nearest_or_meeting(ground, &mut nearest, counters);
         match met {
             None => self.measured = Some(nearest.found()),
             Some(found) if found.meeting == Meeting::Cross => {}
@@ -212,12 +208,12 @@ impl Coherent {
         nearest
     }
 
-    /// Finds all faces that meet, where `meets`; lists pairs of clusters.
+    /// Finds all faces that meet, where `meets`; adds pairs of clusters to a list.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,
         ground: &Ground,
-        lists: Option<Lists>,
+        (lists, listed): (Option<Lists>, &mut Vec<[u32; 2]>),
         meets: bool,
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
@@ -227,7 +223,6 @@ impl Coherent {
         let build = (GROWTH * reach).max(ahead);
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
         let at = Reach { least: reach, build, spare, most };
-        self.listed.clear();
         match self.cut.at(pair, ground, at, counters) {
             Some(cut) => {
                 let mut found = (Meeting::None, Vec::new());
@@ -238,25 +233,17 @@ impl Coherent {
                     found = (surface, all);
                 }
                 if let Some(lists) = lists {
-                    list_near(cut, ground, lists, &mut self.listed, counters);
+                    list_near(cut, ground, lists, listed, counters);
                 }
                 found
             }
-            None => {
-                let listed = &mut self.listed;
-                near_clusters(pair, ground, (lists, meets), &mut self.stack, listed, counters)
-            }
+            None => near_clusters(pair, ground, (lists, meets), listed, counters),
         }
     }
 
     /// How far the pair has moved since the last query.
     fn last_step(&self, pair: &Pair) -> f64 {
         self.cut.last().map_or(0.0, |last| step_since(last, pair))
-    }
-
-    /// The pairs of clusters that were listed.
-    pub(crate) fn listed(&mut self) -> &mut [[u32; 2]] {
-        &mut self.listed
     }
 
     /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever
@@ -267,7 +254,7 @@ impl Coherent {
         counters: &mut impl Tally,
     ) -> Option<FacePair> {
         self.first.or_else(|| {
-            let (_, found) = first_meeting(pair, &Ground::of(pair), &mut self.stack, counters);
+            let (_, found) = meeting_faces(pair, &Ground::of(pair), true, counters);
             found.into_iter().find(|p| p.meeting == Meeting::Cross)
         })
     }
@@ -326,7 +313,7 @@ impl Coherent {
             };
             match cut {
                 Some(cut) => nearest_in(cut, &ground, &mut nearest, counters),
-                None => nearest_faces(&ground, &mut self.stack, &mut nearest, counters),
+                None => nearest_faces(&ground, &mut nearest, counters),
             }
         }
         let found = nearest.found();
@@ -401,8 +388,6 @@ impl Coherent {
 
     pub(crate) fn bytes(&self) -> usize {
         self.crossing.capacity() * size_of::<[FaceId; 2]>()
-            + self.stack.capacity() * size_of::<Pending>()
-            + self.listed.capacity() * size_of::<[u32; 2]>()
             + self.foremost.bytes()
             + self.cut.bytes()
     }
@@ -429,15 +414,4 @@ fn ahead(pair: &Pair, step: f64) -> (f64, f64) {
 
 fn smaller_radius(pair: &Pair) -> f64 {
     pair.model(Side::First).radius().min(pair.model(Side::Second).radius())
-}
-
-/// All faces that meet, and the verdict.
-fn all_meetings(
-    pair: &Pair,
-    ground: &Ground,
-    stack: &mut Vec<Pending>,
-    counters: &mut impl Tally,
-) -> (Surface, Vec<FacePair>) {
-    let found = meeting_faces(pair, ground, stack, counters);
-    (strongest(&found), found)
 }

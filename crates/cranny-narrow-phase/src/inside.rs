@@ -24,6 +24,10 @@ pub(crate) enum Location {
     Outside,
 }
 
+/// By how much of its length a segment that leads out the shortest way is turned aside. Zero, and
+/// it runs along the edges of what is made of boxes; larger: it passes more faces.
+const SWAY: f64 = 0.25;
+
 /// Classifies a point of the pair's frame against the solid on a side.
 pub(crate) fn locate(
     pair: &Pair,
@@ -39,16 +43,25 @@ pub(crate) fn locate(
     }
     // A generic direction is right at once; the loop ends because finitely many edges block only a
     // null set of directions and the sequence is equidistributed.
+    let out = shortest_way_out(&bounds, near);
     let mut attempt = 0;
     loop {
         // Surely out of the bounds, also where these are no larger than the rounding of `p`.
         let reach = 4.0 * bounds.diagonal() + 64.0 * p.rounding();
-        let end = near + generic_direction(attempt) * reach;
+        let end = near + (out + SWAY * generic_direction(attempt)) * reach;
         if let Some(location) = along(pair, side, p, end) {
             return location;
         }
         attempt += 1;
     }
+}
+
+/// The unit vector towards the nearest side of a box: what goes out there meets few faces.
+fn shortest_way_out(bounds: &Aabb, p: DVec3) -> DVec3 {
+    let ways = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .flat_map(|axis| [((bounds.max - p).dot(axis), axis), ((p - bounds.min).dot(axis), -axis)]);
+    ways.min_by(|x, y| x.0.total_cmp(&y.0)).map_or(DVec3::X, |(_, way)| way)
 }
 
 /// Whether a point lies outside the boxes of all closed components.
@@ -60,7 +73,7 @@ fn is_beside_solids(pair: &Pair, side: Side, p: &WeightedPoint) -> bool {
 }
 
 /// A point of the pair's frame in that of a body, and by how much that may be off.
-fn local(pair: &Pair, side: Side, p: DVec3) -> (DVec3, f64) {
+pub(crate) fn local(pair: &Pair, side: Side, p: DVec3) -> (DVec3, f64) {
     match side {
         Side::First => (p, 0.0),
         Side::Second => (pair.first_from_second.inverse().apply(p), 8.0 * pair.culling_error()),

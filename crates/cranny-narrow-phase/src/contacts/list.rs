@@ -77,17 +77,24 @@ pub(crate) struct ContactMemory {
     skin: Option<Skin>,
     /// How much nearer anything has come since the list was made.
     moved: f64,
-    /// The winners of the last list, in the order of patches.
-    winners: Vec<([PatchId; 2], Candidate)>,
+    /// The winners of a list that is gone, in the order of patches.
+    winners: Vec<Winner>,
     backoff: Backoff,
     last: Option<RigidMap>,
-    turned: Turned,
+}
+
+/// Which candidate won in a pair of patches.
+#[derive(Clone, Copy, Debug)]
+struct Winner {
+    patches: [PatchId; 2],
+    ids: [u32; 2],
+    kind: Kind,
 }
 
 impl ContactMemory {
     /// Lets go of what is of use only while bodies are near each other.
     pub(crate) fn let_go(&mut self) {
-        if !self.candidates.is_empty() || self.skin.is_some() {
+        if self.bytes() > 0 || self.skin.is_some() {
             *self = Self::default();
         }
     }
@@ -95,33 +102,12 @@ impl ContactMemory {
     pub(crate) fn bytes(&self) -> usize {
         self.candidates.capacity() * size_of::<Candidate>()
             + self.ranges.capacity() * size_of::<Range>()
-            + self.winners.capacity() * size_of::<([PatchId; 2], Candidate)>()
-            + self.turned.bytes()
+            + self.winners.capacity() * size_of::<Winner>()
     }
 
-    /// Sees to it that the list is that of the pair's pose, and finds all faces that meet.
+    /// Sees to it that the list is that of the pair's pose, and finds all faces that meet, where
+    /// `meets`.
     pub(super) fn search(
-        &mut self,
-        pair: &Pair,
-        wanted: &Wanted,
-        coherent: &mut Coherent,
-        counters: &mut impl Tally,
-    ) -> (Surface, Vec<FacePair>) {
-        self.search_or_list(pair, wanted, true, coherent, counters)
-    }
-
-    /// Sees to it that the list is that of the pair's pose.
-    pub(super) fn list(
-        &mut self,
-        pair: &Pair,
-        wanted: &Wanted,
-        coherent: &mut Coherent,
-        counters: &mut impl Tally,
-    ) {
-        self.search_or_list(pair, wanted, false, coherent, counters);
-    }
-
-    fn search_or_list(
         &mut self,
         pair: &Pair,
         wanted: &Wanted,
@@ -139,10 +125,10 @@ impl ContactMemory {
         if !meets && lists.is_none() {
             return (Surface::None, Vec::new());
         }
-        let found = coherent.near(pair, &ground, lists, meets, counters);
+        let mut clusters = Vec::new();
+        let found = coherent.near(pair, &ground, (lists, &mut clusters), meets, counters);
         if let Some(lasting) = lasting {
-            let clusters = coherent.listed();
-            self.make(pair, &ground, (lasting, closing.as_ref()), clusters, counters);
+            self.make(pair, &ground, (lasting, closing.as_ref()), &mut clusters, counters);
         }
         found
     }
@@ -202,16 +188,17 @@ impl ContactMemory {
     ) {
         self.note_winners();
         self.candidates.clear();
-        self.turned.clear();
+        // About as many as it will hold.
+        self.candidates.reserve(2 * clusters.len());
         clusters.sort_unstable();
-        let mut patches = PatchPairs::default();
+        let (mut patches, mut turned) = (PatchPairs::default(), Turned::default());
         for &pair in clusters.iter() {
             counters.clusters(pair);
             let margin =
                 closing.map_or(lasting.margin, |closing| closing.of_clusters(ground, pair));
             let lasting = Lasting { margin, ..lasting };
             let found = (&mut patches, &mut self.candidates);
-            add_candidates(ground, pair, lasting, &mut self.turned, found);
+            add_candidates(ground, pair, lasting, &mut turned, found);
         }
         self.moved = 0.0;
         self.skin = None;
@@ -226,29 +213,45 @@ impl ContactMemory {
         self.divide(&patches);
     }
 
+    /// Lets go of a list of one pose, once it is evaluated: but for those who won.
+    pub(super) fn end(&mut self) {
+        if self.skin.is_none() {
+            self.note_winners();
+            (self.candidates, self.ranges) = Default::default();
+            self.winners.shrink_to_fit();
+        }
+    }
+
     /// Remembers who won in each pair of patches.
     fn note_winners(&mut self) {
         let Self { candidates, ranges, winners, .. } = self;
-        winners.clear();
         let won = ranges.iter().filter(|range| range.winner < range.end);
-        winners.extend(won.map(|range| (range.patches, candidates[range.winner as usize])));
+        winners.extend(won.map(|range| {
+            let Candidate { ids, kind, .. } = candidates[range.winner as usize];
+            Winner { patches: range.patches, ids, kind }
+        }));
+        ranges.clear();
     }
 
     /// Puts candidates of the same patches side by side, and finds last query's winners among them.
     fn divide(&mut self, patches: &PatchPairs) {
         let Self { candidates, ranges, winners, .. } = self;
-        ranges.clear();
         let mut known = winners.iter().peekable();
         let mut start = 0;
         for (patches, end) in patches.gather(candidates) {
-            while known.next_if(|(p, _)| *p < patches).is_some() {}
+            while known.next_if(|won| won.patches < patches).is_some() {}
             let group = &candidates[start as usize..end as usize];
-            let won = known.next_if(|(p, _)| *p == patches).and_then(|(_, won)| {
-                group.iter().position(|c| c.ids == won.ids && c.kind == won.kind)
-            });
+            let won = known
+                .next_if(|won| won.patches == patches)
+                .and_then(|won| group.iter().position(|c| c.ids == won.ids && c.kind == won.kind));
             let winner = won.map_or(u32::MAX, |at| start + at as u32);
             ranges.push(Range { patches, start, end, winner });
             start = end;
+        }
+        *winners = Vec::new();
+        if self.skin.is_some() {
+            self.candidates.shrink_to_fit();
+            self.ranges.shrink_to_fit();
         }
     }
 

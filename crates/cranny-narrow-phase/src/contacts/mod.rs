@@ -87,7 +87,7 @@ pub(crate) fn near_patches(
     counters: &mut impl Tally,
 ) -> Near {
     let coarse = Coarse::of(pair);
-    let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
+    let (surface, meeting) = memory.search(pair, wanted, true, coherent, counters);
     let crosses = surface == Meeting::Cross;
     let left_to_regions = crosses && overlaps_by_regions(pair.models());
     let mut deep = match crosses && !left_to_regions {
@@ -106,6 +106,7 @@ pub(crate) fn near_patches(
             contacts.extend(of_group);
         }
     });
+    memory.end();
     for (patches, group) in deep.rest() {
         let spans = coarse.holds(pair, patches);
         contacts.extend(if spans { reduce(group) } else { group });
@@ -134,8 +135,9 @@ pub(crate) fn across_gaps(
 ) -> Vec<Contact> {
     let mut all = Vec::new();
     let wanted = Wanted::within(margin);
-    memory.list(pair, &wanted, coherent, counters);
+    memory.search(pair, &wanted, false, coherent, counters);
     memory.each_group(pair, &wanted, counters, |group| group.all(&mut all));
+    memory.end();
     all
 }
 

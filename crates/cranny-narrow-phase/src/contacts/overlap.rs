@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use cranny_exact::{DVec3, WeightedPoint};
+use cranny_exact::{Aabb, DVec3, WeightedPoint};
 use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 
 use super::coarse::Coarse;
@@ -20,7 +20,7 @@ use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use super::{nearer, patches_of};
 use crate::answer::{Contact, Feature};
-use crate::inside::{Location, locate};
+use crate::inside::{Location, local, locate};
 use crate::pair::{Pair, Side};
 use crate::search::Vicinity;
 use crate::surface::FacePair;
@@ -38,6 +38,10 @@ const DETOUR: f64 = 2.0;
 /// along one of its faces makes no contact; larger: a body pushed sideways by a sliver is lifted by
 /// the height of the side that it touches.
 const ASLANT: f64 = 8.0;
+
+/// What is near so many vertices inside, or more, is listed for all of them at once. Fewer: the
+/// list costs more than it spares, as in piles; more: lists are made for some vertices each.
+const MANY: usize = 4;
 
 /// Contacts of negative separation by pairs of patches: all where they are to span the pair, else
 /// the deepest.
@@ -116,7 +120,14 @@ fn vertices_inside(
     counters: &mut impl Tally,
 ) {
     let pair = found.pair;
-    for vertex in vertices_within(pair, side, meeting, counters) {
+    let vertices = vertices_within(pair, side, meeting, counters);
+    if vertices.len() >= MANY {
+        let all = || vertices.iter().map(|&vertex| pair.position(side, vertex));
+        let center = Aabb::of_points(all()).center();
+        let radius = all().map(|p| (p - center).length()).fold(0.0, f64::max);
+        surfaces[side.other().index()].gather((center, radius), counters);
+    }
+    for vertex in vertices {
         let p = pair.position(side, vertex);
         let nearest = surfaces[side.other().index()].to(p, counters);
         let foot = Feature::of_part(nearest.part, pair.model(side.other()), nearest.face);
@@ -256,13 +267,21 @@ impl<'p, 'm> NearestOn<'p, 'm> {
         Self { pair, side, vicinity: Vicinity::default(), last: None }
     }
 
+    /// Prepares for points within a ball of the pair's frame.
+    fn gather(&mut self, (center, radius): (DVec3, f64), counters: &mut impl Tally) {
+        let (pair, side, mut nearest) = (self.pair, self.side, f64::INFINITY);
+        let ball = (local(pair, side, center).0, radius);
+        let (tree, allowance) = (pair.model(side).clusters(), pair.culling_error());
+        self.vicinity.gather(tree, ball, allowance, counters, |face| {
+            nearest = nearest.min(NearestFace::on(pair, side, center, face).distance);
+            nearest
+        });
+    }
+
     /// Ties go to the lowest face.
     fn to(&mut self, p: DVec3, counters: &mut impl Tally) -> NearestFace {
         let Self { pair, side, .. } = *self;
-        let local = match side {
-            Side::First => p,
-            Side::Second => pair.first_from_second.inverse().apply(p),
-        };
+        let local = local(pair, side, p).0;
         let tree = pair.model(side).clusters();
         // The face that was found last is no farther than the point of it.
         let known = self.last.map(|last| (last - p).length() + pair.length_error());

@@ -92,6 +92,7 @@ pub(crate) struct Crossings {
 
 impl Crossings {
     /// Of triangles about one point; their corners are off by `error`.
+    #[inline(always)]
     pub(crate) fn of(a: &[Wide3; 3], b: &[Wide3; 3], error: f32x8) -> Self {
         let two = f32x8::splat(2.0);
         let (own, its) = (Lines::of(a, two * error), Lines::of(b, two * error));

@@ -265,6 +265,7 @@ impl Cut {
             let Some(side) = ground.opened(at) else {
                 let pair =
                     Side::BOTH.map(|side| ground.child(side, at[side.index()]).index() as u32);
+                make_room(&mut self.leaves);
                 self.leaves.push(Leaf::new(pair, cluster_radius(ground, &self.pivot, pair[1])));
                 continue;
             };
@@ -275,6 +276,8 @@ impl Cut {
             let tested =
                 test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {
+                make_room(&mut self.due);
+                make_room(&mut self.blocks);
                 self.due.push(tested.due(&self.spent));
                 self.blocks.push(Block { at, side, ended: tested.ended });
             }
@@ -291,6 +294,13 @@ impl Cut {
         self.blocks.capacity() * size_of::<Block>()
             + self.due.capacity() * size_of::<Due>()
             + self.leaves.capacity() * size_of::<Leaf>()
+    }
+}
+
+/// Makes room for one more: for no more than a quarter beyond what is there, since a cut is kept.
+fn make_room<T>(list: &mut Vec<T>) {
+    if list.len() == list.capacity() {
+        list.reserve_exact(list.len() / 4 + 8);
     }
 }
 

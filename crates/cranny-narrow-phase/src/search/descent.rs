@@ -31,7 +31,7 @@ pub(crate) trait Visitor {
 
 /// Two places, and a lower bound of how far they are apart, in lengths of the pair.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pending {
+struct Pending {
     gap: f64,
     /// Of places beside each other the least is looked at first.
     order: f32,
@@ -40,14 +40,14 @@ pub(crate) struct Pending {
     closing: [f32; 2],
 }
 
-/// Descends from the top, the nearest first; `stack` is scratch.
+/// Descends from the top, the nearest first.
 pub(crate) fn descend<V: Visitor>(
     ground: &Ground,
-    stack: &mut Vec<Pending>,
     visitor: &mut V,
     counters: &mut impl Tally,
 ) -> ControlFlow<()> {
-    stack.clear();
+    // Mostly no more than so many wait at once.
+    let mut stack = Vec::with_capacity(64);
     stack.push(Pending { gap: 0.0, order: 0.0, at: [At::ROOT; 2], closing: [f32::INFINITY; 2] });
     while let Some(Pending { gap, at, closing, .. }) = stack.pop() {
         let reach = visitor.reach();

@@ -95,14 +95,17 @@ fn in_range(squares: f32x8) -> u32 {
     (squares.simd_ge(least) & squares.simd_le(most)).to_bitmask()
 }
 
+/// Eight faces have no more corners, nor sides, than so many blocks hold.
+const MOST_BLOCKS: usize = 3;
+
 /// A cluster of the first body, turned and scaled into the second's frame, about its own centre.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Turned {
     /// Which one, of which body it is.
     name: Option<u32>,
-    corners: Vec<Wide3>,
-    faces: Option<TurnedFaces>,
-    ridges: Vec<TurnedRidges>,
+    corners: [Wide3; MOST_BLOCKS],
+    faces: TurnedFaces,
+    ridges: [TurnedRidges; MOST_BLOCKS],
     room: Room,
 }
 
@@ -139,7 +142,7 @@ impl Room {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 struct TurnedFaces {
     normal: Wide3,
     top: f32x8,
@@ -148,7 +151,7 @@ struct TurnedFaces {
     ends: [f32x8; 3],
 }
 
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 struct TurnedRidges {
     starts: Wide3,
     spans: Wide3,
@@ -183,34 +186,23 @@ impl TurnedFaces {
 }
 
 impl TurnedRidges {
-    fn own(ridges: &RidgeLanes) -> Self {
-        Self {
-            starts: Wide3::of(&ridges.starts),
-            spans: Wide3::of(&ridges.spans),
-            squares: wide(&ridges.squares),
-            along: Wide3::of(&ridges.along),
-            left: Wide3::of(&ridges.left),
-            right: Wide3::of(&ridges.right),
-            blur: wide(&ridges.blur),
-        }
-    }
-
-    fn turned(ridges: &RidgeLanes, placing: &Placing) -> Self {
-        let (own, ratio) = (Self::own(ridges), f32x8::splat(placing.ratio()));
-        Self {
-            starts: placing.turned_all(&own.starts.times(ratio)),
-            spans: placing.turned_all(&own.spans.times(ratio)),
-            squares: own.squares * ratio * ratio,
-            along: placing.turned_all(&own.along),
-            left: placing.turned_all(&own.left),
-            right: placing.turned_all(&own.right),
-            blur: own.blur / ratio,
-        }
+    /// In place: a block is large.
+    fn turn(&mut self, ridges: &RidgeLanes, placing: &Placing) {
+        let ratio = f32x8::splat(placing.ratio());
+        let turned = |lanes| placing.turned_all(&Wide3::of(lanes));
+        let scaled = |lanes| placing.turned_all(&Wide3::of(lanes).times(ratio));
+        self.starts = scaled(&ridges.starts);
+        self.spans = scaled(&ridges.spans);
+        self.squares = wide(&ridges.squares) * ratio * ratio;
+        self.along = turned(&ridges.along);
+        self.left = turned(&ridges.left);
+        self.right = turned(&ridges.right);
+        self.blur = wide(&ridges.blur) / ratio;
     }
 }
 
 impl Turned {
-    /// Turns a cluster, unless it is the one that was turned last in this query.
+    /// Turns a cluster, unless it is the one that was turned last.
     fn set(&mut self, tree: &ClusterTree, name: u32, placing: &Placing) {
         if self.name == Some(name) {
             return;
@@ -218,28 +210,17 @@ impl Turned {
         self.name = Some(name);
         let cluster = &tree.clusters()[name as usize];
         let ratio = f32x8::splat(placing.ratio());
-        self.corners.clear();
-        let corners = tree.corners(cluster).iter();
-        self.corners
-            .extend(corners.map(|c| placing.turned_all(&Wide3::of(&c.points).times(ratio))));
-        self.faces = Some(TurnedFaces::turned(&cluster.faces, placing));
-        self.ridges.clear();
-        let ridges = tree.ridges(cluster).iter();
-        self.ridges.extend(ridges.map(|r| TurnedRidges::turned(r, placing)));
+        for (i, own) in tree.corners(cluster).iter().enumerate() {
+            self.corners[i] = placing.turned_all(&Wide3::of(&own.points).times(ratio));
+        }
+        self.faces = TurnedFaces::turned(&cluster.faces, placing);
+        for (i, own) in tree.ridges(cluster).iter().enumerate() {
+            self.ridges[i].turn(own, placing);
+        }
         self.room = Room {
             axes: cluster.bounds.axes.map(|axis| placing.turned(axis)),
             half: cluster.bounds.half.map(|half| half * placing.ratio()),
         };
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        self.corners.capacity() * size_of::<Wide3>()
-            + self.ridges.capacity() * size_of::<TurnedRidges>()
-    }
-
-    /// Forgets what was turned at another pose.
-    pub(crate) fn clear(&mut self) {
-        self.name = None;
     }
 }
 
@@ -282,7 +263,7 @@ pub(crate) fn add_candidates(
     let limits = Limits { reach, skin, error, turn: lasting.turn as f32, posing };
     let forth = Wide3::all(offset);
     let back = Wide3::all(offset.map(|x| -x));
-    let Some(faces) = &turned.faces else { return };
+    let faces = &turned.faces;
     // The first's vertices before the second's faces.
     let its = TurnedFaces::own(&b.faces);
     let room = Room { axes: b.bounds.axes, half: b.bounds.half };

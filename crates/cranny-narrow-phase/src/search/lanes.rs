@@ -4,7 +4,7 @@ use cranny_geometry::clusters::{LANES, Lanes, Lanes3};
 use wide::f32x8;
 
 /// Eight vectors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wide3 {
     pub(crate) x: f32x8,
     pub(crate) y: f32x8,

@@ -8,7 +8,7 @@ use cranny_geometry::FaceId;
 use super::apart::FacePairs;
 use super::closing::Closing;
 use super::cut::Cut;
-use super::descent::{Pending, Visitor, descend};
+use super::descent::{Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
@@ -216,43 +216,24 @@ impl Visitor for Meetings<'_, '_, '_> {
     }
 }
 
-fn search(
+/// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids: all, or with
+/// `ends_at_crossing` those that the verdict on the solids needs, which are all that touch, or some
+/// up to the first that crosses.
+pub(crate) fn meeting_faces(
     pair: &Pair,
     ground: &Ground,
     ends_at_crossing: bool,
-    stack: &mut Vec<Pending>,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     // Who ends it knows.
-    let _ = descend(ground, stack, &mut meetings, counters);
+    let _ = descend(ground, &mut meetings, counters);
     meetings.finish(counters)
 }
 
-/// All pairs of faces that meet, by ascending ids.
-pub(crate) fn meeting_faces(
-    pair: &Pair,
-    ground: &Ground,
-    stack: &mut Vec<Pending>,
-    counters: &mut impl Tally,
-) -> Vec<FacePair> {
-    search(pair, ground, false, stack, counters).1
-}
-
-/// The verdict on the surfaces, and the pairs that meet which the verdict on the solids needs: all
-/// that touch, or some up to the first that crosses; by ascending ids.
-pub(crate) fn first_meeting(
-    pair: &Pair,
-    ground: &Ground,
-    stack: &mut Vec<Pending>,
-    counters: &mut impl Tally,
-) -> (Surface, Vec<FacePair>) {
-    search(pair, ground, true, stack, counters)
-}
-
-/// The same as [`meeting_faces`], for a caller that searches once.
+/// All pairs of faces that meet, by ascending ids, for a caller that searches once.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
-    meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
+    meeting_faces(pair, &Ground::of(pair), false, counters).1
 }
 
 /// Whether surfaces are certain not to have met on a way from the last pose to this one, each
@@ -260,8 +241,8 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct StayedApart(pub(crate) bool);
 
-/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the
-/// clusters that a cut lists. `step` is how far anything has moved since the last query, at most.
+/// The same as [`meeting_faces`] among the clusters that a cut lists. `step` is how far anything
+/// has moved since the last query, at most.
 pub(crate) fn meetings_in(
     cut: &mut Cut,
     pair: &Pair,
@@ -360,7 +341,6 @@ pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,
     (lists, meets): (Option<Lists>, bool),
-    stack: &mut Vec<Pending>,
     listed: &mut Vec<[u32; 2]>,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
@@ -368,7 +348,7 @@ pub(crate) fn near_clusters(
     let (closing, lists) = (lists.and_then(|lists| lists.closing), lists.map(|lists| lists.reach));
     let mut listing = Listing { meetings, lists, closing, meets, listed };
     // Nothing ends it.
-    let _ = descend(ground, stack, &mut listing, counters);
+    let _ = descend(ground, &mut listing, counters);
     listing.meetings.finish(counters)
 }
 

@@ -26,12 +26,11 @@ mod patch_pairs;
 mod point;
 
 pub(crate) use self::closing::Closing;
-pub(crate) use self::descent::Pending;
 pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates};
 pub(crate) use self::ground::Ground;
 pub(crate) use self::kept::{KeptCut, Reach};
 pub(crate) use self::meeting::{
-    Lists, first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
+    Lists, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
 pub(crate) use self::patch_pairs::PatchPairs;

@@ -7,7 +7,7 @@ use cranny_geometry::clusters::LANES;
 
 use super::apart::FacePairs;
 use super::cut::Cut;
-use super::descent::{Pending, Visitor, descend};
+use super::descent::{Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
@@ -104,24 +104,22 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
 /// before.
 pub(crate) fn nearest_faces<'p, 'm>(
     ground: &Ground<'m>,
-    stack: &mut Vec<Pending>,
     faces: &mut NearestFaces<'p, 'm>,
     counters: &mut impl Tally,
 ) {
     // Nothing ends it.
-    let _ = descend(ground, stack, &mut Nearest::new(ground, faces), counters);
+    let _ = descend(ground, &mut Nearest::new(ground, faces), counters);
 }
 
 /// The same, or two faces that meet.
 pub(crate) fn nearest_or_meeting<'p, 'm>(
     ground: &Ground<'m>,
-    stack: &mut Vec<Pending>,
     faces: &mut NearestFaces<'p, 'm>,
     counters: &mut impl Tally,
 ) -> Option<FacePair> {
     let mut nearest = Nearest { judges: true, ..Nearest::new(ground, faces) };
     // Who ends it knows.
-    let _ = descend(ground, stack, &mut nearest, counters);
+    let _ = descend(ground, &mut nearest, counters);
     nearest.met
 }
 

@@ -56,18 +56,56 @@ impl Vicinity {
         mut visit: impl FnMut(FaceId) -> f64,
     ) {
         let point = Point::of(tree, p, allowance);
-        if (p - self.center).length() + reach > self.reach || self.boxes.is_empty() {
-            // After the first point, it is unknown how far from it the next will be.
-            let stride = if reach < f64::INFINITY { reach } else { 0.0 };
-            let radius = point.nearest_cluster(&mut reach, counters, &mut visit);
-            self.center = p;
-            self.reach = reach + SPARE * stride.min(radius);
-            if !self.list(&point, MOST, counters) {
-                self.reach = reach;
-                self.list(&point, usize::MAX, counters);
+        // After the first point, it is unknown how far from it the next will be.
+        let stride = if reach < f64::INFINITY { reach } else { 0.0 };
+        let from = (p - self.center).length();
+        if !self.boxes.is_empty() && from <= self.reach {
+            self.look(&point, &mut reach, counters, &mut visit);
+            // Nothing else is nearer.
+            if from + reach <= self.reach {
+                return;
             }
         }
-        let bound = point.bound(reach);
+        let radius = point.nearest_cluster(&mut reach, counters, &mut visit);
+        self.center = p;
+        self.reach = reach + SPARE * stride.min(radius);
+        if !self.list(&point, MOST, counters) {
+            self.reach = reach;
+            self.list(&point, usize::MAX, counters);
+        }
+        self.look(&point, &mut reach, counters, &mut visit);
+    }
+
+    /// Lists the clusters about a ball of the body's frame in which points will be looked up,
+    /// unless there are too many. `visit` returns how far its centre is from the nearest face
+    /// visited.
+    pub(crate) fn gather(
+        &mut self,
+        tree: &ClusterTree,
+        (center, radius): (DVec3, f64),
+        allowance: f64,
+        counters: &mut impl Tally,
+        mut visit: impl FnMut(FaceId) -> f64,
+    ) {
+        let point = Point::of(tree, center, allowance);
+        let mut nearest = f64::INFINITY;
+        point.nearest_cluster(&mut nearest, counters, &mut visit);
+        self.center = center;
+        self.reach = radius + nearest;
+        if !self.list(&point, MOST, counters) {
+            self.boxes.clear();
+        }
+    }
+
+    /// Visits the faces of what is listed that may be within reach of a point.
+    fn look(
+        &mut self,
+        point: &Point,
+        reach: &mut f64,
+        counters: &mut impl Tally,
+        visit: &mut impl FnMut(FaceId) -> f64,
+    ) {
+        let bound = point.bound(*reach);
         self.near.clear();
         for boxes in &self.boxes {
             counters.counters().node_tests += 1;
@@ -78,10 +116,10 @@ impl Vicinity {
         }
         self.near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         for &(gap, cluster) in &self.near {
-            if gap > point.bound(reach) {
+            if gap > point.bound(*reach) {
                 break;
             }
-            point.look(&tree.clusters()[cluster as usize], &mut reach, &mut visit);
+            point.look(&point.tree.clusters()[cluster as usize], reach, visit);
         }
     }
 

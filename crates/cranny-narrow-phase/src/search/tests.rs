@@ -85,11 +85,11 @@ fn faces_that_meet_are_found_among_all() {
             Placed { model: &bodies[b], pose: Pose { rotation, translation } },
         );
         let pair = Pair::of_accepted(a, b);
-        let (mut counters, mut stack) = (Counters::default(), Vec::new());
+        let mut counters = Counters::default();
         let truth = all_that_meet(&pair);
         assert_eq!(meeting_pairs(&pair, &mut counters), truth, "round {round}");
         let ground = Ground::of(&pair);
-        let (surface, some) = first_meeting(&pair, &ground, &mut stack, &mut counters);
+        let (surface, some) = meeting_faces(&pair, &ground, true, &mut counters);
         assert_eq!(surface, strongest(&truth), "round {round}");
         assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
         met[strongest(&truth) as usize] += 1;
@@ -325,6 +325,13 @@ fn the_nearest_face_to_a_point_is_visited() {
             let reach = last.map_or(f64::INFINITY, |last: DVec3| (last - p).length() + 1e-12);
             let mut best: Option<(f64, FaceId)> = None;
             let mut counters = Counters::default();
+            if round % 10 == 5 {
+                // Now and then for less than where the next points are.
+                let radius = 0.02 * rng.below(9) as f64;
+                vicinity.gather(tree, (p, radius), 1e-12, &mut counters, |face| {
+                    (closest_on_triangle(p, &mesh.triangle(face)).0 - p).length()
+                });
+            }
             vicinity.for_faces_near(tree, p, (reach, 1e-12), &mut counters, |face| {
                 let distance = (closest_on_triangle(p, &mesh.triangle(face)).0 - p).length();
                 if best.is_none_or(|best| (distance, face) < best) {

@@ -616,6 +616,33 @@ fn memory_of_contacts_follows_what_is_near() {
     assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
 }
 
+/// A list that cannot last is let go of, but for who won: the next query begins there.
+#[test]
+fn of_a_list_that_does_not_last_the_winners_are_kept() {
+    let ball = shape(GolfBall::default());
+    let query_of = Query::of(Demand::contacts(0.1 * ball.radius()));
+    let placed = |turn: f64| {
+        let rotation = DQuat::from_axis_angle(DVec3::new(0.3, 0.5, 0.8).normalize(), turn);
+        let pose = Pose { rotation, translation: 2.02 * ball.radius() * DVec3::Y };
+        [Placed { model: &ball, pose: Pose::IDENTITY }, Placed { model: &ball, pose }]
+    };
+    let (mut resting, mut turning) = (PairMemory::default(), PairMemory::default());
+    let [mut warm, mut cold] = [0; 2];
+    for frame in 0..40 {
+        let [a, b] = placed(0.03 * f64::from(frame));
+        let answer = query(a, b, &query_of, &mut turning).unwrap();
+        let alone = query(a, b, &query_of, &mut PairMemory::default()).unwrap();
+        assert!(!answer.contacts.is_empty());
+        warm += answer.counters.triangle_tests;
+        cold += alone.counters.triangle_tests;
+        let [a, b] = placed(0.0);
+        query(a, b, &query_of, &mut resting).unwrap();
+    }
+    assert!(warm < cold, "{warm} of {cold} features compared");
+    let [kept, listed] = [turning, resting].map(|memory| memory.bytes());
+    assert!(0 < kept && 100 * kept < listed, "{kept} bytes while turning, {listed} at rest");
+}
+
 /// Bodies that wander slowly, rest, jump and are queried with other margins: what is kept of
 /// features near each other changes no answer, and while they move little it is all that is looked
 /// at.
