@@ -15,7 +15,7 @@ use crate::foremost::Foremost;
 use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
-    Ground, KeptCut, Lists, Reach, list_near, meeting_faces, meetings_in, near_clusters,
+    Ground, KeptCut, Lists, Reach, Meets, meeting_faces, near_clusters, near_in,
     nearest_faces, nearest_in, nearest_or_meeting,
 };
 use crate::surface::FacePair;
@@ -151,8 +151,10 @@ impl Coherent {
         };
         match cut {
             Some(cut) => {
+                let meets = if ends_at_crossing { Meets::UpToCrossing } else { Meets::All };
+                let wanted = (None, meets, step);
                 let (surface, found, stayed_apart) =
-                    meetings_in(cut, pair, &ground, (ends_at_crossing, step), counters);
+                    near_in(cut, pair, &ground, wanted, &mut Vec::new(), counters);
                 self.stayed_apart = stayed_apart.0;
                 (surface, found)
             }
@@ -225,17 +227,13 @@ impl Coherent {
         let at = Reach { least: reach, build, spare, most };
         match self.cut.at(pair, ground, at, counters) {
             Some(cut) => {
-                let mut found = (Meeting::None, Vec::new());
+                let wanted = (lists, if meets { Meets::All } else { Meets::None }, step);
+                let (surface, found, stayed_apart) =
+                    near_in(cut, pair, ground, wanted, listed, counters);
                 if meets {
-                    let (surface, all, stayed_apart) =
-                        meetings_in(cut, pair, ground, (false, step), counters);
                     self.stayed_apart = stayed_apart.0;
-                    found = (surface, all);
                 }
-                if let Some(lists) = lists {
-                    list_near(cut, ground, lists, listed, counters);
-                }
-                found
+                (surface, found)
             }
             None => near_clusters(pair, ground, (lists, meets), listed, counters),
         }

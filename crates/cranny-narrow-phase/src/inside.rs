@@ -24,9 +24,11 @@ pub(crate) enum Location {
     Outside,
 }
 
-/// By how much of its length a segment that leads out the shortest way is turned aside. Zero, and
-/// it runs along the edges of what is made of boxes; larger: it passes more faces.
+/// By how much of its length a segment that leads out the shortest way is turned aside. Zero: it
+/// runs along the edges of what is made of boxes, and there is no other segment to decide; larger:
+/// it passes more faces, and from three quarters on it may end inside the box.
 const SWAY: f64 = 0.25;
+const _: () = assert!(0.0 < SWAY && SWAY < 0.75);
 
 /// Classifies a point of the pair's frame against the solid on a side.
 pub(crate) fn locate(
@@ -42,7 +44,7 @@ pub(crate) fn locate(
         return Location::Outside;
     }
     // A generic direction is right at once; the loop ends because finitely many edges block only a
-    // null set of directions and the sequence is equidistributed.
+    // null set of directions and the sequence is equidistributed over an open set of them.
     let out = shortest_way_out(&bounds, near);
     let mut attempt = 0;
     loop {

@@ -20,7 +20,7 @@ use crate::tracks::RegionTracks;
 /// It holds a plane between the hulls; where the last descent of the search trees ended (28 bytes
 /// for each block of eight boxes, 40 for each pair of clusters within reach); the faces that
 /// crossed or were nearest; and of contacts within a margin the candidates, 24 bytes each, where
-/// motion is slow enough for their list to last, else those that made contacts.
+/// motion is slow enough for their list to last, else those that won last.
 /// With smooth normals, those of both models: a caller with many pairs of few models makes them
 /// once, and turns contacts itself ([`smooth_normal`](crate::smooth_normal)). Of regions, the last
 /// ones and their faces, which name the next. With [envelopes](crate::Method::Envelopes), the

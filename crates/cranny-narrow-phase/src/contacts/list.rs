@@ -94,7 +94,7 @@ struct Winner {
 impl ContactMemory {
     /// Lets go of what is of use only while bodies are near each other.
     pub(crate) fn let_go(&mut self) {
-        if self.bytes() > 0 || self.skin.is_some() {
+        if self.last.is_some() {
             *self = Self::default();
         }
     }

@@ -236,60 +236,19 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
     meeting_faces(pair, &Ground::of(pair), false, counters).1
 }
 
+/// Which faces that meet are wanted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Meets {
+    None,
+    All,
+    /// Those that the verdict on the solids needs.
+    UpToCrossing,
+}
+
 /// Whether surfaces are certain not to have met on a way from the last pose to this one, each
 /// vertex moving straight: what lies inside what is then as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct StayedApart(pub(crate) bool);
-
-/// The same as [`meeting_faces`] among the clusters that a cut lists. `step` is how far anything
-/// has moved since the last query, at most.
-pub(crate) fn meetings_in(
-    cut: &mut Cut,
-    pair: &Pair,
-    ground: &Ground,
-    (ends_at_crossing, step): (bool, f64),
-    counters: &mut impl Tally,
-) -> (Surface, Vec<FacePair>, StayedApart) {
-    let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
-    let (reach, posing) = (cut.reach(), ground.posing());
-    let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
-    let (leaves, spent) = cut.leaves();
-    for (i, leaf) in leaves.iter_mut().enumerate() {
-        let left = spent.left(leaf);
-        if left > 0.0 {
-            continue;
-        }
-        counters.clusters(leaf.pair);
-        let (direction, was_parted) = (leaf.direction, leaf.is_parted);
-        let gap = ground.cluster_gap(leaf, 0.0);
-        if gap > 0.0 {
-            spent.note_along(leaf, gap, posing);
-            // Parted along one direction at both ends of the way is parted along it all the way.
-            stayed_apart &= i >= held || was_parted && leaf.direction == direction;
-            continue;
-        }
-        let wants = match (leaf.hurry, leaf.met) {
-            (0, _) => Wants::Distances,
-            (_, false) => Wants::Bounds,
-            (_, true) => Wants::Nothing,
-        };
-        leaf.hurry = leaf.hurry.saturating_sub(1);
-        let separation = meetings.separation(leaf.pair, (reach, wants), counters);
-        // So far as they were at one end of the way, and are at the other, they cannot have met
-        // while motion spent less than both.
-        stayed_apart &= i >= held || separation - 2.0 * posing + left > 0.0;
-        spent.note(leaf, separation, posing);
-        if wants == Wants::Distances {
-            leaf.met = separation <= 0.0;
-            leaf.hurry = if separation <= WORTH * step { HURRY } else { 0 };
-        }
-        if meetings.is_done() {
-            break;
-        }
-    }
-    let (surface, found) = meetings.finish(counters);
-    (surface, found, StayedApart(stayed_apart))
-}
 
 /// Lists pairs of clusters within reach, and finds all faces that meet where wanted.
 struct Listing<'s, 'g, 'p, 'm> {
@@ -336,6 +295,14 @@ pub(crate) struct Lists<'a> {
     pub(crate) closing: Option<&'a Closing>,
 }
 
+impl Lists<'_> {
+    /// Whether two clusters count that are no nearer than `gap`.
+    fn hold(&self, ground: &Ground, clusters: [u32; 2], gap: f64) -> bool {
+        let within = |closing: &Closing| gap <= closing.of_clusters(ground, clusters);
+        gap <= self.reach && (gap <= 0.0 || self.closing.is_none_or(within))
+    }
+}
+
 /// Lists pairs of clusters, from the top; finds all faces that meet, where `meets`.
 pub(crate) fn near_clusters(
     pair: &Pair,
@@ -352,28 +319,60 @@ pub(crate) fn near_clusters(
     listing.meetings.finish(counters)
 }
 
-/// Lists pairs of clusters of a cut.
-pub(crate) fn list_near(
+/// The same as [`near_clusters`] among the clusters that a cut holds. `step` is how far anything has
+/// moved since the last query, at most.
+pub(crate) fn near_in(
     cut: &mut Cut,
+    pair: &Pair,
     ground: &Ground,
-    lists: Lists,
+    (lists, meets, step): (Option<Lists>, Meets, f64),
     listed: &mut Vec<[u32; 2]>,
     counters: &mut impl Tally,
-) {
-    let (posing, reach) = (ground.posing(), lists.reach);
-    let counts = |pair, gap: f64| {
-        gap <= 0.0 || lists.closing.is_none_or(|closing| gap <= closing.of_clusters(ground, pair))
-    };
+) -> (Surface, Vec<FacePair>, StayedApart) {
+    let mut meetings = Meetings::new(pair, ground, meets == Meets::UpToCrossing);
+    let (reach, posing) = (cut.reach(), ground.posing());
+    let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
     let (leaves, spent) = cut.leaves();
-    for leaf in leaves {
-        if spent.left(leaf) > reach {
+    let far = lists.map_or(0.0, |lists| lists.reach);
+    for (i, leaf) in leaves.iter_mut().enumerate() {
+        let left = spent.left(leaf);
+        if left > far {
             continue;
         }
         counters.clusters(leaf.pair);
-        let gap = ground.cluster_gap(leaf, reach);
+        let was_parted = leaf.is_parted;
+        let (gap, parts) = ground.cluster_gap(leaf, far);
         spent.note_along(leaf, gap, posing);
-        if gap <= reach && counts(leaf.pair, gap) {
+        if lists.is_some_and(|lists| lists.hold(ground, leaf.pair, gap)) {
             listed.push(leaf.pair);
         }
+        if left > 0.0 || meets == Meets::None {
+            continue;
+        }
+        if gap > 0.0 {
+            // Parted along one direction at both ends of the way is parted along it all the way.
+            stayed_apart &= i >= held || was_parted && parts;
+            continue;
+        }
+        let wants = match (leaf.hurry, leaf.met) {
+            (0, _) => Wants::Distances,
+            (_, false) => Wants::Bounds,
+            (_, true) => Wants::Nothing,
+        };
+        leaf.hurry = leaf.hurry.saturating_sub(1);
+        let separation = meetings.separation(leaf.pair, (reach, wants), counters);
+        // So far as they were at one end of the way, and are at the other, they cannot have met
+        // while motion spent less than both.
+        stayed_apart &= i >= held || separation - 2.0 * posing + left > 0.0;
+        spent.note(leaf, separation, posing);
+        if wants == Wants::Distances {
+            leaf.met = separation <= 0.0;
+            leaf.hurry = if separation <= WORTH * step { HURRY } else { 0 };
+        }
+        if meetings.is_done() {
+            break;
+        }
     }
+    let (surface, found) = meetings.finish(counters);
+    (surface, found, StayedApart(stayed_apart))
 }

@@ -30,7 +30,7 @@ pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates
 pub(crate) use self::ground::Ground;
 pub(crate) use self::kept::{KeptCut, Reach};
 pub(crate) use self::meeting::{
-    Lists, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
+    Lists, Meets, meeting_faces, meeting_pairs, near_clusters, near_in,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
 pub(crate) use self::patch_pairs::PatchPairs;

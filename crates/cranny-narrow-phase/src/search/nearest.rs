@@ -140,7 +140,7 @@ pub(crate) fn nearest_in<'p, 'm>(
             continue;
         }
         counters.clusters(leaf.pair);
-        let gap = ground.cluster_gap(leaf, limit);
+        let (gap, _) = ground.cluster_gap(leaf, limit);
         spent.note_along(leaf, gap, posing);
         if gap <= limit {
             nearest.look(leaf.pair, counters);

@@ -113,13 +113,14 @@ impl<'a> Ground<'a> {
 
     /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along
     /// the direction that parted them last, and where that is not more than `reach`, along the one
-    /// that parts them most of some.
-    pub(crate) fn cluster_gap(&self, leaf: &mut Leaf, reach: f64) -> f64 {
+    /// that parts them most of some; and whether the first parts them.
+    pub(crate) fn cluster_gap(&self, leaf: &mut Leaf, reach: f64) -> (f64, bool) {
         let two = self.two(leaf.pair);
         let unit_length = two.trees[0].unit();
         let limit = ((reach / unit_length) as f32).next_up();
-        let certain = |gap: f32| f64::from(gap) * unit_length;
         let mut best = self.gap_along(&two, leaf.direction);
+        let parts = best > 0.0;
+        let certain = |gap: f32| (f64::from(gap) * unit_length, parts);
         if best > limit {
             return certain(best);
         }

@@ -17,8 +17,9 @@ use crate::tally::Tally;
 /// more boxes.
 const SPARE: f64 = 2.0;
 
-/// A list of more boxes than eight times this is made for one point alone. Fewer: lists serve fewer
-/// points; more: where points jump, each makes a long one.
+/// A list of more boxes than eight times this is made for one point alone, or not at all for points
+/// that are to come. Fewer: lists serve fewer points; more: where points jump, each makes a long
+/// one.
 const MOST: usize = 6;
 
 /// Eight boxes side by side.
@@ -77,8 +78,9 @@ impl Vicinity {
     }
 
     /// Lists the clusters about a ball of the body's frame in which points will be looked up,
-    /// unless there are too many. `visit` returns how far its centre is from the nearest face
-    /// visited.
+    /// unless there are too many. Points no farther from the surface than its centre are served;
+    /// the first that is not makes a list of its own in place of this. `visit` returns how far the
+    /// centre is from the nearest face visited.
     pub(crate) fn gather(
         &mut self,
         tree: &ClusterTree,

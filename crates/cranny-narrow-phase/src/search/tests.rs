@@ -270,8 +270,9 @@ fn a_cut_lists_all_that_is_within_reach() {
                 }
             }
             near += listed.len();
+            let wanted = (None, Meets::All, pace);
             let (surface, found, stayed_apart) =
-                meetings_in(&mut now, &pair, &ground, (false, pace), &mut counters);
+                near_in(&mut now, &pair, &ground, wanted, &mut Vec::new(), &mut counters);
             assert_eq!(found, all_that_meet(&pair), "{what}");
             assert_eq!(surface, strongest(&found), "{what}");
             met += usize::from(surface.meets());
@@ -344,6 +345,29 @@ fn the_nearest_face_to_a_point_is_visited() {
             last = Some(foot);
             tests += counters.node_tests;
             vicinity = if round % 50 == 49 { Vicinity::default() } else { vicinity };
+            let beside = |fresh: &mut Vicinity| {
+                // A list that is made for others serves it, and one too long is none.
+                let ball = (p + 0.05 * step, [0.06, 1e3][round % 2]);
+                let center = |face| {
+                    (closest_on_triangle(ball.0, &mesh.triangle(face)).0 - ball.0).length()
+                };
+                let counters = &mut Counters::default();
+                let mut nearest = f64::INFINITY;
+                fresh.gather(tree, ball, 1e-12, counters, |face| {
+                    nearest = center(face).min(nearest);
+                    nearest
+                });
+                let mut best: Option<(f64, FaceId)> = None;
+                fresh.for_faces_near(tree, p, (f64::INFINITY, 1e-12), counters, |face| {
+                    let distance = (closest_on_triangle(p, &mesh.triangle(face)).0 - p).length();
+                    if best.is_none_or(|best| (distance, face) < best) {
+                        best = Some((distance, face));
+                    }
+                    best.map_or(f64::INFINITY, |best| best.0)
+                });
+                best
+            };
+            assert_eq!(beside(&mut Vicinity::default()), Some((distance, face)), "round {round}");
             let alone = &mut Counters::default();
             Vicinity::default().for_faces_near(tree, p, (reach, 1e-12), alone, |_| distance);
             searches += alone.node_tests;

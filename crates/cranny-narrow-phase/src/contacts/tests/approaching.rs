@@ -99,6 +99,7 @@ fn listed(
         }
         nearest.extend(of_group);
     });
+    memory.end();
     (all, nearest)
 }
 
