@@ -15,8 +15,8 @@ use crate::foremost::Foremost;
 use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
-    Ground, KeptCut, Lists, Reach, Meets, meeting_faces, near_clusters, near_in,
-    nearest_faces, nearest_in, nearest_or_meeting,
+    Ground, KeptCut, Lists, Meets, Reach, meeting_faces, near_clusters, near_in, nearest_faces,
+    nearest_in, nearest_or_meeting,
 };
 use crate::surface::FacePair;
 use crate::tally::Tally;
@@ -126,7 +126,7 @@ impl Coherent {
         if below.is_none() && self.still_cross(pair, counters) {
             return (Meeting::Cross, Vec::new());
         }
-        let (surface, touching) = self.meet(pair, (true, below), !crossed, counters);
+        let (surface, touching) = self.meet(pair, (Meets::UpToCrossing, below), !crossed, counters);
         self.searched = crossed;
         self.remember_crossings(&touching);
         (surface, touching)
@@ -136,7 +136,7 @@ impl Coherent {
     fn meet(
         &mut self,
         pair: &Pair,
-        (ends_at_crossing, below): (bool, Option<f64>),
+        (meets, below): (Meets, Option<f64>),
         keeps: bool,
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
@@ -151,11 +151,9 @@ impl Coherent {
         };
         match cut {
             Some(cut) => {
-                let meets = if ends_at_crossing { Meets::UpToCrossing } else { Meets::All };
-                let wanted = (None, meets, step);
                 let (surface, found, stayed_apart) =
-                    near_in(cut, pair, &ground, wanted, &mut Vec::new(), counters);
-                self.stayed_apart = stayed_apart.0;
+                    near_in(cut, pair, &ground, (None, meets, step), &mut Vec::new(), counters);
+                self.stayed_apart = stayed_apart;
                 (surface, found)
             }
             None => {
@@ -168,8 +166,8 @@ impl Coherent {
                 {
                     return verdict;
                 }
-                let (surface, found) = meeting_faces(pair, &ground, ends_at_crossing, counters);
-                if ends_at_crossing {
+                let (surface, found) = meeting_faces(pair, &ground, meets, counters);
+                if meets == Meets::UpToCrossing {
                     self.first = found.iter().find(|p| p.meeting == Meeting::Cross).copied();
                 }
                 (surface, found)
@@ -210,13 +208,13 @@ impl Coherent {
         nearest
     }
 
-    /// Finds all faces that meet, where `meets`; adds pairs of clusters to a list.
+    /// Finds the faces that meet, all or none; adds pairs of clusters to a list.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,
         ground: &Ground,
         (lists, listed): (Option<Lists>, &mut Vec<[u32; 2]>),
-        meets: bool,
+        meets: Meets,
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let reach = lists.map_or(0.0, |lists| lists.reach);
@@ -227,11 +225,10 @@ impl Coherent {
         let at = Reach { least: reach, build, spare, most };
         match self.cut.at(pair, ground, at, counters) {
             Some(cut) => {
-                let wanted = (lists, if meets { Meets::All } else { Meets::None }, step);
                 let (surface, found, stayed_apart) =
-                    near_in(cut, pair, ground, wanted, listed, counters);
-                if meets {
-                    self.stayed_apart = stayed_apart.0;
+                    near_in(cut, pair, ground, (lists, meets, step), listed, counters);
+                if meets == Meets::All {
+                    self.stayed_apart = stayed_apart;
                 }
                 (surface, found)
             }
@@ -252,14 +249,14 @@ impl Coherent {
         counters: &mut impl Tally,
     ) -> Option<FacePair> {
         self.first.or_else(|| {
-            let (_, found) = meeting_faces(pair, &Ground::of(pair), true, counters);
+            let (_, found) = meeting_faces(pair, &Ground::of(pair), Meets::UpToCrossing, counters);
             found.into_iter().find(|p| p.meeting == Meeting::Cross)
         })
     }
 
     /// All pairs of faces that meet, by ascending ids.
     pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
-        let (_, found) = self.meet(pair, (false, None), true, counters);
+        let (_, found) = self.meet(pair, (Meets::All, None), true, counters);
         self.remember_crossings(&found);
         found
     }

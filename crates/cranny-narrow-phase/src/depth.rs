@@ -21,13 +21,18 @@ use crate::pieces::RegionPieces;
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
+/// Vertices that are looked at by themselves where some depth is enough. More: they cost more than
+/// to look at all; fewer: all are looked at where a few would do.
+const SAMPLES: usize = 32;
+
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
-#[derive(Default)]
 pub(crate) struct Depths {
     /// The largest, if the pieces overlap along the direction at all.
     pub(crate) deepest: Option<Contact>,
     /// Whether all are wanted, not the largest alone.
     keeps: bool,
+    /// Where one is as large as this, no larger one is sought.
+    enough: f64,
     /// One for every vertex of the pieces that is ahead, and for crossing edges while they are few.
     /// A vertex that comes out just beside the other piece (no farther than it is deep) counts as
     /// well: of a box that has sunk in askew, the sides lean, and three corners of four come out
@@ -87,9 +92,7 @@ pub(crate) fn range(heights: impl IntoIterator<Item = f64>) -> (f64, f64) {
 
 /// Measures a region along `normal` (unit, from first to second, pair's frame).
 pub(crate) fn depths_along(region: &MeasuredRegion, normal: DVec3) -> Depths {
-    let mut depths = Depths { keeps: true, ..Depths::default() };
-    measure(&View { region, normal }, f64::INFINITY, &mut depths);
-    depths
+    measure(&View { region, normal }, true, f64::INFINITY)
 }
 
 /// The largest of [`depths_along`] alone, which is found with less work; or, where one is at least
@@ -99,19 +102,19 @@ pub(crate) fn deepest_along(
     normal: DVec3,
     enough: f64,
 ) -> Option<Contact> {
-    let mut depths = Depths::default();
-    measure(&View { region, normal }, enough, &mut depths);
-    depths.deepest
+    measure(&View { region, normal }, false, enough).deepest
 }
 
-fn measure(view: &View, enough: f64, depths: &mut Depths) {
-    for side in Side::BOTH {
-        view.vertices_over_faces(side, depths);
-        if depths.largest() >= enough {
-            return;
-        }
+fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
+    let mut depths = Depths { deepest: None, keeps, enough, all: Vec::new() };
+    let is_open = |side| {
+        view.vertices_over_faces(side, &mut depths);
+        !depths.is_enough()
+    };
+    if Side::BOTH.into_iter().all(is_open) {
+        view.edges_over_edges(&mut depths);
     }
-    view.edges_over_edges(depths);
+    depths
 }
 
 struct View<'g, 'a, 'b> {
@@ -162,6 +165,10 @@ impl Depths {
         self.deepest.map_or(0.0, |d| -d.separation)
     }
 
+    fn is_enough(&self) -> bool {
+        self.largest() >= self.enough
+    }
+
     /// What is less deep is not wanted.
     fn floor(&self) -> f64 {
         if self.keeps { 0.0 } else { self.largest() }
@@ -187,8 +194,17 @@ impl View<'_, '_, '_> {
         let by_height = |x: &Above, y: &Above| x.height.total_cmp(&y.height);
         let Some(&highest) = vertices.iter().max_by(|x, y| by_height(x, y)) else { return };
         if !depths.keeps {
-            // The highest is the deepest or nearly so: few others are left.
-            self.offer_depth(side, highest, faces.iter(), depths);
+            // The highest is the deepest or nearly so: few others are left. Where a depth is
+            // enough, some others mostly show it.
+            let is_bounded = depths.enough < f64::INFINITY;
+            let stride = if is_bounded { vertices.len() / SAMPLES + 1 } else { usize::MAX };
+            let some = vertices.iter().skip(stride / 2).step_by(stride);
+            for &vertex in std::iter::once(&highest).chain(some) {
+                self.offer_depth(side, vertex, faces.iter(), depths);
+                if depths.is_enough() {
+                    return;
+                }
+            }
             let floor = depths.floor();
             let lowest = faces.iter().map(|f| f.low).fold(f64::INFINITY, f64::min);
             vertices.retain(|v| v.height - lowest >= floor);
@@ -293,7 +309,7 @@ impl View<'_, '_, '_> {
             }
             footprints.beside(&e.what.1, low_enough, &mut beside);
             for g in beside.iter().map(|&i| &second[i as usize]) {
-                if e.high - g.low <= least(depths) {
+                if e.high - g.low <= least(depths) || depths.is_enough() {
                     break;
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };

@@ -17,7 +17,7 @@ use crate::coherent::Coherent;
 use crate::motion::RelativeMotion;
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
-    Candidate, Closing, Ground, Kind, Lasting, Lists, PatchPairs, Turned, add_candidates,
+    Candidate, Closing, Ground, Kind, Lasting, Lists, Meets, PatchPairs, Turned, add_candidates,
 };
 use crate::surface::FacePair;
 use crate::tally::Tally;
@@ -105,13 +105,13 @@ impl ContactMemory {
             + self.winners.capacity() * size_of::<Winner>()
     }
 
-    /// Sees to it that the list is that of the pair's pose, and finds all faces that meet, where
-    /// `meets`.
+    /// Sees to it that the list is that of the pair's pose, and finds the faces that meet, all or
+    /// none.
     pub(super) fn search(
         &mut self,
         pair: &Pair,
         wanted: &Wanted,
-        meets: bool,
+        meets: Meets,
         coherent: &mut Coherent,
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
@@ -122,7 +122,7 @@ impl ContactMemory {
             reach: lasting.margin + lasting.skin,
             closing: closing.as_ref(),
         });
-        if !meets && lists.is_none() {
+        if meets == Meets::None && lists.is_none() {
             return (Surface::None, Vec::new());
         }
         let mut clusters = Vec::new();

@@ -41,6 +41,7 @@ use crate::answer::{Contact, Feature, Surface};
 use crate::coherent::Coherent;
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
+use crate::search::Meets;
 use crate::surface::FacePair;
 use crate::tally::Tally;
 
@@ -87,7 +88,7 @@ pub(crate) fn near_patches(
     counters: &mut impl Tally,
 ) -> Near {
     let coarse = Coarse::of(pair);
-    let (surface, meeting) = memory.search(pair, wanted, true, coherent, counters);
+    let (surface, meeting) = memory.search(pair, wanted, Meets::All, coherent, counters);
     let crosses = surface == Meeting::Cross;
     let left_to_regions = crosses && overlaps_by_regions(pair.models());
     let mut deep = match crosses && !left_to_regions {
@@ -135,7 +136,7 @@ pub(crate) fn across_gaps(
 ) -> Vec<Contact> {
     let mut all = Vec::new();
     let wanted = Wanted::within(margin);
-    memory.search(pair, &wanted, false, coherent, counters);
+    memory.search(pair, &wanted, Meets::None, coherent, counters);
     memory.each_group(pair, &wanted, counters, |group| group.all(&mut all));
     memory.end();
     all

@@ -48,7 +48,8 @@ struct Meetings<'g, 'p, 'm> {
 }
 
 impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
-    fn new(pair: &'p Pair<'m>, ground: &'g Ground<'m>, ends_at_crossing: bool) -> Self {
+    fn new(pair: &'p Pair<'m>, ground: &'g Ground<'m>, meets: Meets) -> Self {
+        let ends_at_crossing = meets == Meets::UpToCrossing;
         let (surface, found, pairs) = (Meeting::None, Vec::new(), FacePairs::new());
         Self { ground, pair, ends_at_crossing, surface, found, pairs }
     }
@@ -216,16 +217,14 @@ impl Visitor for Meetings<'_, '_, '_> {
     }
 }
 
-/// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids: all, or with
-/// `ends_at_crossing` those that the verdict on the solids needs, which are all that touch, or some
-/// up to the first that crosses.
+/// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids.
 pub(crate) fn meeting_faces(
     pair: &Pair,
     ground: &Ground,
-    ends_at_crossing: bool,
+    meets: Meets,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
-    let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
+    let mut meetings = Meetings::new(pair, ground, meets);
     // Who ends it knows.
     let _ = descend(ground, &mut meetings, counters);
     meetings.finish(counters)
@@ -233,7 +232,7 @@ pub(crate) fn meeting_faces(
 
 /// All pairs of faces that meet, by ascending ids, for a caller that searches once.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
-    meeting_faces(pair, &Ground::of(pair), false, counters).1
+    meeting_faces(pair, &Ground::of(pair), Meets::All, counters).1
 }
 
 /// Which faces that meet are wanted.
@@ -241,21 +240,16 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
 pub(crate) enum Meets {
     None,
     All,
-    /// Those that the verdict on the solids needs.
+    /// Those that the verdict on the solids needs: all that touch, or some up to the first that
+    /// crosses.
     UpToCrossing,
 }
-
-/// Whether surfaces are certain not to have met on a way from the last pose to this one, each
-/// vertex moving straight: what lies inside what is then as it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct StayedApart(pub(crate) bool);
 
 /// Lists pairs of clusters within reach, and finds all faces that meet where wanted.
 struct Listing<'s, 'g, 'p, 'm> {
     meetings: Meetings<'g, 'p, 'm>,
-    lists: Option<f64>,
-    closing: Option<&'s Closing>,
-    meets: bool,
+    lists: Option<Lists<'s>>,
+    meets: Meets,
     listed: &'s mut Vec<[u32; 2]>,
 }
 
@@ -263,11 +257,11 @@ impl Visitor for Listing<'_, '_, '_, '_> {
     const IN_ORDER: bool = false;
 
     fn reach(&self) -> f64 {
-        self.lists.unwrap_or(0.0)
+        self.lists.map_or(0.0, |lists| lists.reach)
     }
 
     fn closing(&self) -> Option<&Closing> {
-        self.closing
+        self.lists.and_then(|lists| lists.closing)
     }
 
     fn clusters(
@@ -279,7 +273,7 @@ impl Visitor for Listing<'_, '_, '_, '_> {
         if self.lists.is_some() {
             self.listed.push(clusters);
         }
-        if self.meets && gap <= 0.0 {
+        if self.meets == Meets::All && gap <= 0.0 {
             return self.meetings.clusters(clusters, gap, counters);
         }
         ControlFlow::Continue(())
@@ -303,23 +297,24 @@ impl Lists<'_> {
     }
 }
 
-/// Lists pairs of clusters, from the top; finds all faces that meet, where `meets`.
+/// Lists pairs of clusters, from the top; finds the faces that meet, all or none.
 pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,
-    (lists, meets): (Option<Lists>, bool),
+    (lists, meets): (Option<Lists>, Meets),
     listed: &mut Vec<[u32; 2]>,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
-    let meetings = Meetings::new(pair, ground, false);
-    let (closing, lists) = (lists.and_then(|lists| lists.closing), lists.map(|lists| lists.reach));
-    let mut listing = Listing { meetings, lists, closing, meets, listed };
+    let meetings = Meetings::new(pair, ground, meets);
+    let mut listing = Listing { meetings, lists, meets, listed };
     // Nothing ends it.
     let _ = descend(ground, &mut listing, counters);
     listing.meetings.finish(counters)
 }
 
-/// The same as [`near_clusters`] among the clusters that a cut holds. `step` is how far anything has
+/// The same as [`near_clusters`] among the clusters that a cut holds, or up to a crossing; and
+/// whether surfaces are certain not to have met on the way from the last pose to this one, each
+/// vertex moving straight: what lies inside what is then as it was. `step` is how far anything has
 /// moved since the last query, at most.
 pub(crate) fn near_in(
     cut: &mut Cut,
@@ -328,12 +323,11 @@ pub(crate) fn near_in(
     (lists, meets, step): (Option<Lists>, Meets, f64),
     listed: &mut Vec<[u32; 2]>,
     counters: &mut impl Tally,
-) -> (Surface, Vec<FacePair>, StayedApart) {
-    let mut meetings = Meetings::new(pair, ground, meets == Meets::UpToCrossing);
-    let (reach, posing) = (cut.reach(), ground.posing());
+) -> (Surface, Vec<FacePair>, bool) {
+    let mut meetings = Meetings::new(pair, ground, meets);
+    let (reach, posing, far) = (cut.reach(), ground.posing(), lists.map_or(0.0, |l| l.reach));
     let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
     let (leaves, spent) = cut.leaves();
-    let far = lists.map_or(0.0, |lists| lists.reach);
     for (i, leaf) in leaves.iter_mut().enumerate() {
         let left = spent.left(leaf);
         if left > far {
@@ -374,5 +368,5 @@ pub(crate) fn near_in(
         }
     }
     let (surface, found) = meetings.finish(counters);
-    (surface, found, StayedApart(stayed_apart))
+    (surface, found, stayed_apart)
 }

@@ -89,7 +89,7 @@ fn faces_that_meet_are_found_among_all() {
         let truth = all_that_meet(&pair);
         assert_eq!(meeting_pairs(&pair, &mut counters), truth, "round {round}");
         let ground = Ground::of(&pair);
-        let (surface, some) = meeting_faces(&pair, &ground, true, &mut counters);
+        let (surface, some) = meeting_faces(&pair, &ground, Meets::UpToCrossing, &mut counters);
         assert_eq!(surface, strongest(&truth), "round {round}");
         assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
         met[strongest(&truth) as usize] += 1;
@@ -280,8 +280,8 @@ fn a_cut_lists_all_that_is_within_reach() {
             let inside = (!surface.meets())
                 .then(|| solidity(&pair, surface, &found, &mut Counters::default()));
             if inside.is_some() && before.is_some() {
-                assert!(inside == before || !stayed_apart.0, "{what}");
-                stayed += u32::from(stayed_apart.0);
+                assert!(inside == before || !stayed_apart, "{what}");
+                stayed += u32::from(stayed_apart);
                 changed += u32::from(inside != before);
             }
             before = inside;
@@ -348,9 +348,8 @@ fn the_nearest_face_to_a_point_is_visited() {
             let beside = |fresh: &mut Vicinity| {
                 // A list that is made for others serves it, and one too long is none.
                 let ball = (p + 0.05 * step, [0.06, 1e3][round % 2]);
-                let center = |face| {
-                    (closest_on_triangle(ball.0, &mesh.triangle(face)).0 - ball.0).length()
-                };
+                let center =
+                    |face| (closest_on_triangle(ball.0, &mesh.triangle(face)).0 - ball.0).length();
                 let counters = &mut Counters::default();
                 let mut nearest = f64::INFINITY;
                 fresh.gather(tree, ball, 1e-12, counters, |face| {

@@ -88,7 +88,7 @@ fn listed(
 ) -> (Vec<Contact>, Vec<Contact>) {
     let (mut all, mut nearest) = (Vec::new(), Vec::new());
     let counters = &mut Counters::default();
-    memory.search(pair, wanted, false, coherent, counters);
+    memory.search(pair, wanted, Meets::None, coherent, counters);
     memory.each_group(pair, wanted, counters, |group| {
         let before = all.len();
         group.all(&mut all);
