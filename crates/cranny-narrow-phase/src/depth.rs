@@ -21,8 +21,8 @@ use crate::pieces::RegionPieces;
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
-/// Vertices that are looked at by themselves where some depth is enough. More: they cost more than
-/// to look at all; fewer: all are looked at where a few would do.
+/// Vertices that are looked at by themselves where some depth is enough, of more than this squared.
+/// More: they cost more than to look at all; fewer: all are looked at where a few would do.
 const SAMPLES: usize = 32;
 
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
@@ -196,8 +196,8 @@ impl View<'_, '_, '_> {
         if !depths.keeps {
             // The highest is the deepest or nearly so: few others are left. Where a depth is
             // enough, some others mostly show it.
-            let is_bounded = depths.enough < f64::INFINITY;
-            let stride = if is_bounded { vertices.len() / SAMPLES + 1 } else { usize::MAX };
+            let is_worth = depths.enough < f64::INFINITY && vertices.len() > SAMPLES * SAMPLES;
+            let stride = if is_worth { vertices.len() / SAMPLES + 1 } else { usize::MAX };
             let some = vertices.iter().skip(stride / 2).step_by(stride);
             for &vertex in std::iter::once(&highest).chain(some) {
                 self.offer_depth(side, vertex, faces.iter(), depths);
