@@ -208,7 +208,7 @@ impl Coherent {
         nearest
     }
 
-    /// Finds the faces that meet, all or none; adds pairs of clusters to a list.
+    /// Finds all faces that meet, unless `meets` is none; adds pairs of clusters to a list.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,

@@ -21,8 +21,9 @@ use crate::pieces::RegionPieces;
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
-/// Vertices that are looked at by themselves where some depth is enough, of more than this squared.
-/// More: they cost more than to look at all; fewer: all are looked at where a few would do.
+/// So many vertices are looked at first where some depth is enough and a piece has more than the
+/// square of this. More: they cost more than to look at all; fewer: all are looked at where a few
+/// would do.
 const SAMPLES: usize = 32;
 
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
@@ -95,8 +96,8 @@ pub(crate) fn depths_along(region: &MeasuredRegion, normal: DVec3) -> Depths {
     measure(&View { region, normal }, true, f64::INFINITY)
 }
 
-/// The largest of [`depths_along`] alone, which is found with less work; or, where one is at least
-/// `enough`, any such.
+/// The largest of [`depths_along`] alone, but for rounding, which is found with less work; or, where
+/// one is at least `enough`, any such.
 pub(crate) fn deepest_along(
     region: &MeasuredRegion,
     normal: DVec3,
@@ -194,8 +195,8 @@ impl View<'_, '_, '_> {
         let by_height = |x: &Above, y: &Above| x.height.total_cmp(&y.height);
         let Some(&highest) = vertices.iter().max_by(|x, y| by_height(x, y)) else { return };
         if !depths.keeps {
-            // The highest is the deepest or nearly so: few others are left. Where a depth is
-            // enough, some others mostly show it.
+            // The highest is the deepest or nearly so: few others are left. Where some depth is
+            // enough, a few vertices mostly have it.
             let is_worth = depths.enough < f64::INFINITY && vertices.len() > SAMPLES * SAMPLES;
             let stride = if is_worth { vertices.len() / SAMPLES + 1 } else { usize::MAX };
             let some = vertices.iter().skip(stride / 2).step_by(stride);
@@ -214,6 +215,9 @@ impl View<'_, '_, '_> {
         let footprints = Footprints::of(self.normal, faces.iter().map(|f| f.what.1.as_slice()));
         let mut over: Vec<u32> = Vec::new();
         for vertex in vertices {
+            if depths.is_enough() {
+                return;
+            }
             let floor = depths.floor();
             let low_enough = faces.partition_point(|f| vertex.height - f.low >= floor);
             footprints.beside(&[vertex.point], low_enough, &mut over);
@@ -304,12 +308,12 @@ impl View<'_, '_, '_> {
             // Edges are by ascending lows: those before this one are low enough.
             let floor = least(depths);
             let low_enough = second.partition_point(|g| e.high - g.low > floor);
-            if low_enough == 0 {
+            if low_enough == 0 || depths.is_enough() {
                 break;
             }
             footprints.beside(&e.what.1, low_enough, &mut beside);
             for g in beside.iter().map(|&i| &second[i as usize]) {
-                if e.high - g.low <= least(depths) || depths.is_enough() {
+                if e.high - g.low <= least(depths) {
                     break;
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
@@ -376,7 +380,7 @@ mod tests {
     use super::*;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Model};
-    use cranny_shapes::{Cup, GolfBall, Shape, Torus};
+    use cranny_shapes::{Cup, GolfBall, Shape, Sphere, Torus};
     use cranny_testkit::Rng;
 
     use crate::answer::Counters;
@@ -395,13 +399,17 @@ mod tests {
             shape(GolfBall { dimples: 12, triangles: 320, ..GolfBall::default() }),
             shape(Torus { major_segments: 16, minor_segments: 9, ..Torus::default() }),
             shape(Cup { segments: 9, ..Cup::default() }),
+            // Half of it has vertices enough for some to be looked at first.
+            shape(Sphere { radius: 0.5, segments: 96, rings: 48 }),
         ];
         let mut rng = Rng::new(5);
-        let mut measured = 0;
-        for _ in 0..200 {
-            let [a, b] = [0; 2].map(|_| &bodies[rng.below(3)]);
+        let (mut measured, mut sampled) = (0, 0);
+        for round in 0..200 {
+            let fine = round % 20 == 0;
+            let [a, b] = [0; 2].map(|_| &bodies[if fine { 3 } else { rng.below(3) }]);
             let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
-            let translation = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let reach = if fine { 0.2 } else { 1.0 };
+            let translation = reach * DVec3::new(rng.unit(), rng.unit(), rng.unit());
             let place = |model, pose| Placed { model, pose };
             let (a, b) = (place(a, Pose::IDENTITY), place(b, Pose { rotation, translation }));
             let pair = Pair::of_accepted(a, b);
@@ -417,8 +425,10 @@ mod tests {
                 let half = alone(0.5 * largest);
                 assert!(half <= largest && half >= 0.5 * largest, "{half} of {largest}");
                 measured += usize::from(largest > 0.0);
+                let many = |side: Side| cut.pieces[side.index()].vertices.len() > SAMPLES * SAMPLES;
+                sampled += usize::from(largest > 0.0 && many(Side::First));
             }
         }
-        assert!(measured > 100, "{measured}");
+        assert!(measured > 100 && sampled > 3, "{measured} {sampled}");
     }
 }

@@ -26,7 +26,7 @@ pub(crate) enum Location {
 
 /// By how much of its length a segment that leads out the shortest way is turned aside. Zero: it
 /// runs along the edges of what is made of boxes, and there is no other segment to decide; larger:
-/// it passes more faces, and from three quarters on it may end inside the box.
+/// it passes more faces. Below three quarters it surely ends outside the box.
 const SWAY: f64 = 0.25;
 const _: () = assert!(0.0 < SWAY && SWAY < 0.75);
 

@@ -105,8 +105,8 @@ impl ContactMemory {
             + self.winners.capacity() * size_of::<Winner>()
     }
 
-    /// Sees to it that the list is that of the pair's pose, and finds the faces that meet, all or
-    /// none.
+    /// Sees to it that the list is that of the pair's pose, and finds all faces that meet, unless
+    /// `meets` is none.
     pub(super) fn search(
         &mut self,
         pair: &Pair,

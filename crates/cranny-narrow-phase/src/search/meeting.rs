@@ -270,10 +270,8 @@ impl Visitor for Listing<'_, '_, '_, '_> {
         gap: f64,
         counters: &mut impl Tally,
     ) -> ControlFlow<()> {
-        if self.lists.is_some() {
-            self.listed.push(clusters);
-        }
-        if self.meets == Meets::All && gap <= 0.0 {
+        self.listed.extend(self.lists.map(|_| clusters));
+        if self.meets != Meets::None && gap <= 0.0 {
             return self.meetings.clusters(clusters, gap, counters);
         }
         ControlFlow::Continue(())
@@ -297,7 +295,8 @@ impl Lists<'_> {
     }
 }
 
-/// Lists pairs of clusters, from the top; finds the faces that meet, all or none.
+/// Lists pairs of clusters, from the top, and finds the faces that meet. A list is whole unless
+/// `meets` ends at a crossing.
 pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,
@@ -312,10 +311,10 @@ pub(crate) fn near_clusters(
     listing.meetings.finish(counters)
 }
 
-/// The same as [`near_clusters`] among the clusters that a cut holds, or up to a crossing; and
-/// whether surfaces are certain not to have met on the way from the last pose to this one, each
-/// vertex moving straight: what lies inside what is then as it was. `step` is how far anything has
-/// moved since the last query, at most.
+/// The same as [`near_clusters`] among the clusters that a cut holds. `step` is how far anything has
+/// moved since the last query, at most. Where faces are wanted, also returns whether surfaces are
+/// certain not to have met on the way from the last pose to this one, each vertex moving straight:
+/// what lies inside what is then as it was.
 pub(crate) fn near_in(
     cut: &mut Cut,
     pair: &Pair,
@@ -324,6 +323,7 @@ pub(crate) fn near_in(
     listed: &mut Vec<[u32; 2]>,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>, bool) {
+    debug_assert!(lists.is_none() || meets != Meets::UpToCrossing);
     let mut meetings = Meetings::new(pair, ground, meets);
     let (reach, posing, far) = (cut.reach(), ground.posing(), lists.map_or(0.0, |l| l.reach));
     let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
@@ -337,9 +337,7 @@ pub(crate) fn near_in(
         let was_parted = leaf.is_parted;
         let (gap, parts) = ground.cluster_gap(leaf, far);
         spent.note_along(leaf, gap, posing);
-        if lists.is_some_and(|lists| lists.hold(ground, leaf.pair, gap)) {
-            listed.push(leaf.pair);
-        }
+        listed.extend(lists.filter(|l| l.hold(ground, leaf.pair, gap)).map(|_| leaf.pair));
         if left > 0.0 || meets == Meets::None {
             continue;
         }
@@ -368,5 +366,5 @@ pub(crate) fn near_in(
         }
     }
     let (surface, found) = meetings.finish(counters);
-    (surface, found, stayed_apart)
+    (surface, found, stayed_apart && meets != Meets::None)
 }

@@ -113,7 +113,7 @@ impl<'a> Ground<'a> {
 
     /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along
     /// the direction that parted them last, and where that is not more than `reach`, along the one
-    /// that parts them most of some; and whether the first parts them.
+    /// that parts them most of some; and whether the direction from before the call parts them.
     pub(crate) fn cluster_gap(&self, leaf: &mut Leaf, reach: f64) -> (f64, bool) {
         let two = self.two(leaf.pair);
         let unit_length = two.trees[0].unit();

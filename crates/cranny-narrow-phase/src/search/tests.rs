@@ -1,7 +1,7 @@
 //! What the search leaves out is far, whatever is remembered.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_geometry::{BuildOptions, FaceId, Model};
+use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
 use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
 use cranny_testkit::Rng;
 
@@ -270,9 +270,20 @@ fn a_cut_lists_all_that_is_within_reach() {
                 }
             }
             near += listed.len();
-            let wanted = (None, Meets::All, pace);
+            let lists = Lists { reach: [0.0, 0.5, 1.0][frame % 3] * reach, closing: None };
+            let lists = (frame % 4 > 0).then_some(lists);
+            let mut listed = Vec::new();
+            let wanted = (lists, Meets::All, pace);
             let (surface, found, stayed_apart) =
-                near_in(&mut now, &pair, &ground, wanted, &mut Vec::new(), &mut counters);
+                near_in(&mut now, &pair, &ground, wanted, &mut listed, &mut counters);
+            listed.sort_unstable();
+            if let Some(lists) = lists {
+                for leaf in now.leaves().0.iter() {
+                    let is_near = cluster_distance(&pair, &ground, leaf.pair) <= lists.reach;
+                    let is_listed = listed.binary_search(&leaf.pair).is_ok();
+                    assert!(is_listed || !is_near, "{what}: {:?}", leaf.pair);
+                }
+            }
             assert_eq!(found, all_that_meet(&pair), "{what}");
             assert_eq!(surface, strongest(&found), "{what}");
             met += usize::from(surface.meets());
@@ -301,12 +312,70 @@ fn a_cut_lists_all_that_is_within_reach() {
     assert!(stayed > 500 && changed > 5, "{stayed} {changed}");
 }
 
+/// A small body jumps to and fro through the surface of a large one: wherever it comes to lie
+/// inside or leaves, the surfaces are not said to have stayed apart.
+#[test]
+fn what_goes_through_a_surface_did_not_stay_apart() {
+    let mut rng = Rng::new(47);
+    let bodies = bodies();
+    let scaled = |body: &Model| {
+        let mesh = body.mesh();
+        let vertices = mesh.vertices().iter().map(|p| *p * 0.02).collect();
+        Model::build(Mesh::new(vertices, mesh.faces().to_vec()).unwrap(), &BuildOptions::default())
+            .unwrap()
+            .0
+    };
+    let small: Vec<Model> = bodies.iter().map(scaled).collect();
+    let (mut changed, mut stayed) = (0, 0);
+    for round in 0..120 {
+        let (a, b) = (&bodies[rng.below(bodies.len())], &small[rng.below(small.len())]);
+        let face = FaceId(rng.below(a.mesh().faces().len()) as u32);
+        let [p, q, r] = a.mesh().triangle(face);
+        let normal = (q - p).cross(r - p).normalize();
+        let (middle, depth) = ((p + q + r) / 3.0, 2.5 * b.radius());
+        let mut cut: Option<Cut> = None;
+        let mut before = None;
+        for frame in 0..12 {
+            // To the other side in every third frame, else a little.
+            let side = if frame / 3 % 2 == 0 { depth } else { -depth };
+            let beside = 0.1 * b.radius() * rng.direction();
+            let rotation = DQuat::from_axis_angle(rng.direction(), 0.02 * rng.unit());
+            let translation = middle + side * normal + beside - b.bounds().center();
+            let pose = Pose { rotation, translation };
+            let pair = Pair::of_accepted(
+                Placed { model: a, pose: Pose::IDENTITY },
+                Placed { model: b, pose },
+            );
+            let ground = Ground::of(&pair);
+            let counters = &mut Counters::default();
+            let last =
+                cut.take().and_then(|mut cut| cut.follow(&pair, &ground, counters).then_some(cut));
+            let reach = (8.0 * depth, 0.0);
+            let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, reach, counters));
+            let wanted = (None, Meets::All, depth);
+            let (surface, found, stayed_apart) =
+                near_in(&mut now, &pair, &ground, wanted, &mut Vec::new(), counters);
+            let inside = (!surface.meets()).then(|| solidity(&pair, surface, &found, counters));
+            if inside.is_some() && before.is_some() {
+                assert!(inside == before || !stayed_apart, "round {round}, frame {frame}");
+                changed += u32::from(inside != before);
+                stayed += u32::from(stayed_apart);
+            }
+            before = inside;
+            cut = Some(now);
+        }
+    }
+    assert!(changed > 50 && stayed > 50, "{changed} {stayed}");
+}
+
 /// Points wander beside a surface, and jump: the face nearest to each is visited, whatever list
 /// serves it.
 #[test]
 fn the_nearest_face_to_a_point_is_visited() {
     let mut rng = Rng::new(31);
-    let bodies = bodies();
+    let mut bodies = bodies();
+    // Of more clusters than a list for points to come may hold.
+    bodies.push(model(Torus { major_segments: 64, minor_segments: 24, ..Torus::default() }));
     let (mut tests, mut searches) = (0, 0);
     for body in &bodies {
         let (mesh, tree) = (body.mesh(), body.clusters());
