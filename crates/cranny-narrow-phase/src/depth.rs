@@ -96,8 +96,8 @@ pub(crate) fn depths_along(region: &MeasuredRegion, normal: DVec3) -> Depths {
     measure(&View { region, normal }, true, f64::INFINITY)
 }
 
-/// The largest of [`depths_along`] alone, but for rounding, which is found with less work; or, where
-/// one is at least `enough`, any such.
+/// The largest of [`depths_along`] alone, but for rounding, which is found with less work; or,
+/// where one is at least `enough`, any such.
 pub(crate) fn deepest_along(
     region: &MeasuredRegion,
     normal: DVec3,

@@ -311,10 +311,10 @@ pub(crate) fn near_clusters(
     listing.meetings.finish(counters)
 }
 
-/// The same as [`near_clusters`] among the clusters that a cut holds. `step` is how far anything has
-/// moved since the last query, at most. Where faces are wanted, also returns whether surfaces are
-/// certain not to have met on the way from the last pose to this one, each vertex moving straight:
-/// what lies inside what is then as it was.
+/// The same as [`near_clusters`] among the clusters that a cut holds. `step` is how far anything
+/// has moved since the last query, at most. Where faces are wanted, also returns whether surfaces
+/// are certain not to have met on the way from the last pose to this one, each vertex moving
+/// straight: what lies inside what is then as it was.
 pub(crate) fn near_in(
     cut: &mut Cut,
     pair: &Pair,
