@@ -24,6 +24,7 @@ mod resting;
 mod rolling;
 mod round;
 mod round_scenes;
+mod skin;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;
