@@ -10,12 +10,13 @@ use crate::detector::Detector;
 /// nothing.
 pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 
-/// How far in front of their surfaces bodies of many faces press on each other, as a part of the
-/// prediction distance: 0.002 of [`length_unit`](SimulationOptions::length_unit). rapier's contacts
-/// are springs, and what is pressed sinks in. With a skin it sinks into that, and what rests does
-/// not overlap. Larger: a nut loses play on its bolt; smaller: a pile at rest overlaps, and surfaces
-/// that cross take twice as long to search as surfaces that are apart.
-pub const CONTACT_SKIN: f64 = 0.1;
+/// How far in front of their surfaces solids of many faces press on each other, as a part of the
+/// prediction distance: 0.001 of [`length_unit`](SimulationOptions::length_unit). rapier's contacts
+/// are springs, and what is pressed sinks in. With a skin it sinks into that first, and what rests
+/// hardly overlaps or not at all. Larger: a nut loses play on its bolt (with 0.1 one of 48 facets
+/// makes 10.0 turns in place of 10.7); smaller: what rests overlaps, and surfaces that cross take
+/// twice as long to search as surfaces that are apart.
+pub const CONTACT_SKIN: f64 = 0.05;
 
 /// How a simulation runs.
 ///
