@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Approach, Demand, Query, overlaps_by_regions};
+use cranny_narrow_phase::{Approach, Demand, Query};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::query::details::NormalConstraints;
@@ -42,7 +42,6 @@ use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, SolverContact, rebuild};
 use crate::pair::{Answered, PairWorkspace, Reach, for_parry, ours};
 use crate::shape::MeshShape;
-use crate::simulation::CONTACT_SKIN;
 
 /// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact
 /// may have moved and still be the same: beyond, its impulse belongs to another place.
@@ -115,8 +114,6 @@ impl Dispatcher {
         };
         if let Some(ahead) = &ahead {
             contacts.retain(|contact| ahead.may_close(contact));
-            let skin = contact_skin(g1, g2, ahead.base());
-            contacts.iter_mut().for_each(|contact| contact.separation -= skin);
         }
         let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
@@ -209,15 +206,6 @@ impl Dispatcher {
 /// The drift within which the contacts of a search are carried on.
 fn carried_within(search: &Search, ahead: &PairAhead) -> f64 {
     search.lasts.unwrap_or_default().max(CARRIED_WITHIN * f64::from(ahead.base()))
-}
-
-/// How far in front of their surfaces two bodies press, for a prediction distance.
-pub(crate) fn contact_skin(g1: &dyn Shape, g2: &dyn Shape, base: Real) -> f64 {
-    let models = ours(g1).zip(ours(g2)).map(|(s1, s2)| [s1.model(), s2.model()]);
-    let has_skin = models.is_some_and(|models| {
-        models.iter().all(|model| model.is_closed()) && !overlaps_by_regions(models)
-    });
-    if has_skin { CONTACT_SKIN * f64::from(base) } else { 0.0 }
 }
 
 /// A request of rapier about a pair.

@@ -90,8 +90,8 @@ pub use log::{AnswerLog, LoggedAnswer};
 pub use mass::{MassError, MassSource, StatedMass, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
-    BodyIndex, BodyKind, BodySpec, CONTACT_SKIN, Energy, PairContacts, Resistance, Simulation,
-    SimulationError, SimulationOptions, SolvedContacts, SolvedPoint, StepHooks, Timings,
+    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Resistance, Simulation, SimulationError,
+    SimulationOptions, SolvedContacts, SolvedPoint, StepHooks, Timings,
 };
 #[cfg(feature = "snapshot")]
 pub use snapshot::{RestoreError, Sets, SnapshotError, restore, snapshot};

@@ -27,7 +27,7 @@ use rapier3d::prelude::{
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 use self::changes::rapier_kind;
 pub use self::hooks::{SolvedContacts, StepHooks};
-pub use self::options::{CONTACT_SKIN, SOLVER_SUBSTEP, SimulationOptions};
+pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub(crate) use self::reduced::ReducedJoints;
 pub use self::reduced::Resistance;
 pub use self::step_report::{Energy, PairContacts, SolvedPoint, Timings};

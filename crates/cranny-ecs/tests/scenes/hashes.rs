@@ -30,13 +30,13 @@ const HASHES: [(&str, f64, u64, &str); 5] = [
         "stack_of_cups",
         0.25,
         0x6156_fa8e_5ebe_e8f0,
-        "365761285ab946d18a761410c5faf0e8b1c27b94248f0d253c50be02d0dddddf",
+        "081b19cc0d157633036dc7b18fb05cba0040eccf01f0d07a4f36fff7969a7509",
     ),
     (
         "nut_under_gravity_smooth",
         0.1,
         0xb656_682d_1e75_6550,
-        "b9e65c41028347b47eb8277d3ac52b21e791dafa1c2d45c33c481d22eeeff190",
+        "599778b6e014733864394a8a81602625388a4545f883c62163e6d57e6acd5d3d",
     ),
     (
         "budgeted_triggers",

@@ -9,7 +9,6 @@ use rapier3d::prelude::{ActiveHooks, PhysicsHooks, SolverFlags};
 
 use super::{BodyIndex, Simulation};
 use crate::convert::{narrow, wide};
-use crate::dispatcher::contact_skin;
 
 /// Decides about pairs while [`Simulation::step_with`] makes a step. A step may be made in parts,
 /// and each part decides anew.
@@ -40,8 +39,6 @@ pub struct SolvedContacts<'a> {
     pub bodies: [BodyIndex; 2],
     /// Whether rapier has the bodies the other way round.
     turned: bool,
-    /// By how much the solver's distances are less.
-    skin: f64,
     manifold: ModifiableManifold<'a>,
 }
 
@@ -56,19 +53,19 @@ impl SolvedContacts<'_> {
     /// Points on the first body in the world, each with its separation along the normal: < 0 where
     /// the bodies overlap.
     pub fn points(&self) -> impl Iterator<Item = (DVec3, f64)> {
-        let Self { turned, skin, .. } = *self;
+        let turned = self.turned;
         self.manifold.solver_contacts.iter().map(move |contact| {
             let on_first = if turned { contact.anchor2 } else { contact.anchor1 };
-            (wide(on_first), f64::from(contact.dist) + skin)
+            (wide(on_first), contact.dist.into())
         })
     }
 
     /// Leaves out the contacts for which `keep` is false of point and separation.
     pub fn retain(&mut self, keep: impl Fn(DVec3, f64) -> bool) {
-        let Self { turned, skin, .. } = *self;
+        let turned = self.turned;
         self.manifold.solver_contacts.retain(|contact| {
             let on_first = if turned { contact.anchor2 } else { contact.anchor1 };
-            keep(wide(on_first), f64::from(contact.dist) + skin)
+            keep(wide(on_first), contact.dist.into())
         });
     }
 
@@ -110,11 +107,7 @@ impl SolvedContacts<'_> {
 }
 
 /// Hooks, as rapier has them.
-pub(super) struct Decisions<'a, H> {
-    pub(super) hooks: &'a H,
-    /// rapier's own.
-    pub(super) prediction: Real,
-}
+pub(super) struct Decisions<'a, H>(pub(super) &'a H);
 
 /// The numbers of two colliders' bodies; `None` for colliders that are not ours.
 fn numbers(colliders: &ColliderSet, pair: [ColliderHandle; 2]) -> Option<[u32; 2]> {
@@ -126,18 +119,13 @@ impl<H: StepHooks> PhysicsHooks for Decisions<'_, H> {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
         let pair = [context.collider1, context.collider2];
         let responds = numbers(context.colliders, pair)
-            .is_none_or(|[a, b]| self.hooks.responds(BodyIndex(a.min(b)), BodyIndex(a.max(b))));
+            .is_none_or(|[a, b]| self.0.responds(BodyIndex(a.min(b)), BodyIndex(a.max(b))));
         responds.then(SolverFlags::default)
     }
 
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
         let pair = [context.collider1, context.collider2];
         let Some([a, b]) = numbers(context.colliders, pair) else { return };
-        let shapes = pair.map(|handle| context.colliders.get(handle).map(|c| c.shape()));
-        let skin = match shapes {
-            [Some(g1), Some(g2)] => contact_skin(g1, g2, self.prediction),
-            _ => 0.0,
-        };
         let Some(rigid) = context.rigid_mut() else { return };
         let manifold = ModifiableManifold {
             manifold: rigid.manifold,
@@ -148,7 +136,7 @@ impl<H: StepHooks> PhysicsHooks for Decisions<'_, H> {
             user_data: &mut *rigid.user_data,
         };
         let bodies = [BodyIndex(a.min(b)), BodyIndex(a.max(b))];
-        self.hooks.modify(&mut SolvedContacts { bodies, turned: a > b, skin, manifold });
+        self.0.modify(&mut SolvedContacts { bodies, turned: a > b, manifold });
     }
 }
 

@@ -10,14 +10,6 @@ use crate::detector::Detector;
 /// nothing.
 pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 
-/// How far in front of their surfaces solids of many faces press on each other, as a part of the
-/// prediction distance: 0.001 of [`length_unit`](SimulationOptions::length_unit). rapier's contacts
-/// are springs, and what is pressed sinks in. With a skin it sinks into that first, and what rests
-/// hardly overlaps or not at all. Larger: a nut loses play on its bolt (with 0.1 one of 48 facets
-/// makes 10.0 turns in place of 10.7); smaller: what rests overlaps, and surfaces that cross take
-/// twice as long to search as surfaces that are apart.
-pub const CONTACT_SKIN: f64 = 0.05;
-
 /// How a simulation runs.
 ///
 /// # rapier's settings, and why
@@ -32,7 +24,6 @@ pub const CONTACT_SKIN: f64 = 0.05;
 /// | `friction_model` | `FrictionModel::Coulomb` | the simplified model rubs at a manifold's middle, and most of our manifolds have one point |
 /// | `num_solver_iterations` | substeps of [`SOLVER_SUBSTEP`], 1/960 s: 4 at 240 Hz, 16 at 60 Hz; or [`solver_iterations`](Self::solver_iterations) | they are rapier's substeps: with its default of 4 at 60 Hz a falling chain sinks in by half a link before it is stopped |
 /// | `contact_softness`, `static_contact_softness` | 30 and 60 Hz, times as many as substeps are shorter than [`SOLVER_SUBSTEP`] | with rapier's own, gravity presses a peg of millimetres into its floor by a quarter of its clearance |
-/// | `contact_skin` of a collider | 0; in its place separations are less by [`CONTACT_SKIN`] of the prediction distance between solids of 64 faces and more | without it, what rests overlaps by what gravity presses it in. Solids of fewer faces have contacts that span their sides where these overlap, and rock where they do not |
 /// | `length_unit` | [`length_unit`](Self::length_unit); for a scene, unless stated, twice the volume per area of the thinnest moving body (about its thickness) | the prediction distance is 0.02 of it, and tolerances scale with it. Larger: the far flank of a groove joins in; smaller: bodies meet before they are seen |
 /// | `normalized_max_linear_velocity` | `Real::MAX`: no limit | rapier slows every body to 400 of `length_unit` a second: a ring of thin wire, which makes the unit small, would not fall faster than 4. What moves by more than its radius in a step is seen to meet nothing beyond that: it needs `Continuous` |
 /// | `normalized_prediction_distance` | in each step as far as any two bodies near each other can come nearer in it; each pair has a reach of its own, as far as *its* bodies can. In an app of its own: before each step, at least twice what two bodies can come nearer in it, over `length_unit` (rapier loosens a box by half of it, and only when its body moves) | a fast body overlaps before it is stopped; one that falls along with another does not see that a third stops that one. rapier looks ahead by linear velocity alone: what spins or turns fast needs steps in which its rim moves by less than the prediction distance |

@@ -91,7 +91,7 @@ impl Simulation {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            &Decisions { hooks, prediction: self.parameters.prediction_distance() },
+            &Decisions(hooks),
             &(),
         );
     }

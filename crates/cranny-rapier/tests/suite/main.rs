@@ -24,7 +24,6 @@ mod resting;
 mod rolling;
 mod round;
 mod round_scenes;
-mod skin;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;

@@ -192,9 +192,7 @@ fn depths_stay_within_their_bounds() {
 }
 
 fn bounds_of_depths(most_parts: usize) {
-    // Heavy: what rests is pressed in through its skin.
-    let gravity = DVec3::Z * -80.0;
-    let options = SimulationOptions { gravity, most_parts, ..SimulationOptions::default() };
+    let options = SimulationOptions { most_parts, ..SimulationOptions::default() };
     let (mut simulation, mut models) = cups(options);
     if most_parts > 1 {
         // Far away a plate flies at a wall, which divides the steps in which it arrives.
@@ -241,9 +239,7 @@ fn bounds_of_depths(most_parts: usize) {
 #[test]
 fn a_pair_is_searched_for_its_depth_where_it_may_be_deeper() {
     let unsearched = |fields: Fields| {
-        // Heavy: pressed in through its skin.
-        let gravity = DVec3::Z * -80.0;
-        let (mut simulation, _) = cups(SimulationOptions { gravity, ..Default::default() });
+        let (mut simulation, _) = cups(SimulationOptions::default());
         simulation.read_by(move |_, _| fields);
         let mut count = 0;
         for _ in 0..240 {
