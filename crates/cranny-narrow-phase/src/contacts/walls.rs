@@ -8,11 +8,13 @@
 //!
 //! A region most of whose sides graze each other is left out, and one that parts by as little as
 //! its contacts say in some other direction: what overlaps there by a hair reaches as far as the
-//! sides do, and nothing has dug in so deep.
+//! sides do, and nothing has dug in so deep. Left out is also what is as deep as from one turn of a
+//! thread to another: there is a gap between.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
+use super::overlap::is_inside;
 use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, deepest_along, depths_along, range};
 use crate::intersection::{Intersection, intersect};
@@ -21,7 +23,8 @@ use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
-use crate::way_out::{mostly_grazes, nearest_ways_out, parts_within, shallower_direction};
+use crate::tally::Tally;
+use crate::way_out::{mostly_grazes, nearest_ways_out, parts_within};
 
 /// How many times deeper than its contacts a region is that gets others. Smaller: contacts with
 /// normals of their own place are joined by some of a mean normal; larger: walls dig in so much.
@@ -38,6 +41,7 @@ pub(super) fn contacts_of_walls(
     pair: &Pair,
     meeting: &[FacePair],
     known: &[Contact],
+    counters: &mut impl Tally,
 ) -> Vec<Contact> {
     let mut found = Vec::new();
     if !Side::BOTH.iter().all(|&side| pair.model(side).is_closed())
@@ -63,20 +67,11 @@ pub(super) fn contacts_of_walls(
             continue;
         }
         let region = MeasuredRegion::of(pair, &intersection, pieces);
-        let is_deep = |contact: &Contact| -contact.separation > shallow;
-        let Some(own) = deepest_along(&region, normal, f64::INFINITY).filter(is_deep) else {
-            continue;
-        };
+        let own = deepest_along(&region, normal, f64::INFINITY);
+        let own = own.filter(|own| -own.separation > shallow);
+        let Some(own) = own.filter(|own| is_solid_between(pair, own, counters)) else { continue };
         let ways = nearest_ways_out(pair, &region);
-        let parts_otherwise = || {
-            let other = shallower_direction(pair, &region, &own, Some(&ways));
-            let along = other.and_then(|other| deepest_along(&region, other, f64::INFINITY));
-            along.is_some_and(|contact| !is_deep(&contact))
-        };
-        if mostly_grazes(pair, &region, &own)
-            || parts_within(pair, &region, &own, &ways, shallow)
-            || parts_otherwise()
-        {
+        if mostly_grazes(pair, &region, &own) || parts_within(pair, &region, &own, &ways, shallow) {
             continue;
         }
         let mut all = depths_along(&region, normal).all;
@@ -85,6 +80,15 @@ pub(super) fn contacts_of_walls(
         found.extend(reduce(all));
     }
     found
+}
+
+/// Whether both solids are all the way between the points of a contact, as far as a few points say.
+/// Where they are not, as between the turns of a thread, nothing has dug in so deep.
+fn is_solid_between(pair: &Pair, contact: &Contact, counters: &mut impl Tally) -> bool {
+    [0.25, 0.5, 0.75].into_iter().all(|t| {
+        let p = contact.point_a.lerp(contact.point_b, t);
+        Side::BOTH.into_iter().all(|side| is_inside(pair, side, p, counters))
+    })
 }
 
 /// Whether an edge that names an end of what two faces share is sharp.

@@ -404,6 +404,26 @@ fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
     assert!(tried > 150, "{tried}");
 }
 
+/// Flanks of a coarse thread overlap by a tenth of their play and less, facet by facet: along the
+/// axis, the turn that one begins at is not the one that the other ends at.
+#[test]
+fn flanks_that_overlap_are_no_deeper_than_their_turn() {
+    let bolt = shape(IsoBolt { diameter: 16.0, pitch: 2.0, segments: 36, ..IsoBolt::default() });
+    let nut = IsoNut { diameter: 16.0, pitch: 2.0, clearance: 0.1, ..IsoNut::default() };
+    let nut = shape(IsoNut { segments: 36, ..nut });
+    let mut memory = PairMemory::default();
+    for degrees in [0.5, 1.0, 4.0, 6.5, 7.5, 8.5, 9.5f64] {
+        for below in [0.063, 0.075, 0.087] {
+            let rotation = DQuat::from_rotation_z(degrees.to_radians());
+            let translation = DVec3::Z * (34.0 + degrees / 180.0 - below);
+            let nut = Placed { model: &nut, pose: Pose { rotation, translation } };
+            let answer = contacts_with(at(&bolt, 0.0, 0.0, 0.0), nut, 0.0, &mut memory);
+            let depth = -answer.contacts[0].separation;
+            assert!(depth > 0.005 && depth < 0.1, "{degrees} degrees, {below}: {depth}");
+        }
+    }
+}
+
 /// What overlaps the two sides of a notch by a hair has dug in nowhere, however high they are.
 #[test]
 fn what_grazes_two_sides_is_not_as_deep_as_they_are_high() {
