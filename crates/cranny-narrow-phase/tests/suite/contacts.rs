@@ -404,8 +404,8 @@ fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
     assert!(tried > 150, "{tried}");
 }
 
-/// Flanks of a coarse thread overlap by a tenth of their play and less, facet by facet: along the
-/// axis, the turn that one begins at is not the one that the other ends at.
+/// Flanks of a coarse thread overlap by less than 0.1, over several turns in one region. Along the
+/// axis, that begins in one turn and ends in another.
 #[test]
 fn flanks_that_overlap_are_no_deeper_than_their_turn() {
     let bolt = shape(IsoBolt { diameter: 16.0, pitch: 2.0, segments: 36, ..IsoBolt::default() });
