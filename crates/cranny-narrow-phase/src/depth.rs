@@ -41,6 +41,10 @@ pub(crate) struct Depths {
     pub(crate) all: Vec<Contact>,
 }
 
+/// A direction, and a length by which it is known to part a region: what lies farther behind is
+/// behind a gap. Infinite where none is known.
+pub(crate) type Way = (DVec3, f64);
+
 /// A region and what measuring it along any direction needs.
 pub(crate) struct MeasuredRegion<'a, 'b> {
     pair: &'a Pair<'b>,
@@ -77,6 +81,11 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
         high - low
     }
 
+    /// The deepest contact along a direction; of depth 0, on the curves, where there is none.
+    pub(crate) fn deepest(&self, way: Way) -> Contact {
+        deepest_along(self, way, f64::INFINITY).unwrap_or_else(|| self.on_curve(way.0))
+    }
+
     /// A contact of depth 0 at the first point of the curves.
     pub(crate) fn on_curve(&self, normal: DVec3) -> Contact {
         let first = &self.intersection.segments[self.cut.segments[0]];
@@ -91,19 +100,20 @@ pub(crate) fn range(heights: impl IntoIterator<Item = f64>) -> (f64, f64) {
     heights.into_iter().fold(none, |(low, high), height| (low.min(height), high.max(height)))
 }
 
-/// Measures a region along `normal` (unit, from first to second, pair's frame).
-pub(crate) fn depths_along(region: &MeasuredRegion, normal: DVec3) -> Depths {
-    measure(&View { region, normal }, true, f64::INFINITY)
+/// Measures a region along a unit direction (from first to second, pair's frame) that parts it
+/// within some length, as far as that is known.
+pub(crate) fn depths_along(region: &MeasuredRegion, (normal, most): Way) -> Depths {
+    measure(&View { region, normal, most }, true, f64::INFINITY)
 }
 
 /// The largest of [`depths_along`] alone, but for rounding, which is found with less work; or,
 /// where one is at least `enough`, any such.
 pub(crate) fn deepest_along(
     region: &MeasuredRegion,
-    normal: DVec3,
+    (normal, most): Way,
     enough: f64,
 ) -> Option<Contact> {
-    measure(&View { region, normal }, false, enough).deepest
+    measure(&View { region, normal, most }, false, enough).deepest
 }
 
 fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
@@ -121,6 +131,7 @@ fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
 struct View<'g, 'a, 'b> {
     region: &'g MeasuredRegion<'a, 'b>,
     normal: DVec3,
+    most: f64,
 }
 
 /// A face or edge with the range of its heights.
@@ -264,7 +275,7 @@ impl View<'_, '_, '_> {
             }
             let Some(foot) = self.foot(p, triangle) else { continue };
             let depth = vertex.height - sign * self.height(foot);
-            if depth <= best.map_or(0.0, |b| b.0) {
+            if depth <= best.map_or(0.0, |b| b.0) || depth > self.most {
                 continue;
             }
             let off = borders.off_piece(self.region.pair, other, id, foot);
@@ -318,7 +329,7 @@ impl View<'_, '_, '_> {
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
                 let depth = self.height(p) - self.height(q);
-                if depth > 0.0 {
+                if depth > 0.0 && depth <= self.most {
                     let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, depth);
                     depths.offer(contact, keep);
                 }
@@ -418,8 +429,8 @@ mod tests {
                 let region = MeasuredRegion::of(&pair, &intersection, cut);
                 let normal = DVec3::new(rng.unit(), rng.unit(), rng.unit()).normalize();
                 let depth = |c: Option<Contact>| c.map_or(0.0, |c| -c.separation);
-                let largest = depth(depths_along(&region, normal).deepest);
-                let alone = |enough| depth(deepest_along(&region, normal, enough));
+                let largest = depth(depths_along(&region, (normal, f64::INFINITY)).deepest);
+                let alone = |enough| depth(deepest_along(&region, (normal, f64::INFINITY), enough));
                 assert_eq!(alone(f64::INFINITY), largest);
                 assert_eq!(alone(largest.next_up()), largest);
                 let half = alone(0.5 * largest);

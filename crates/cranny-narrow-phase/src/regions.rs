@@ -5,7 +5,7 @@ use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Curve, Region, RegionId};
 use crate::contacts::nearer;
-use crate::depth::{MeasuredRegion, deepest_along, depths_along};
+use crate::depth::{MeasuredRegion, depths_along};
 use crate::intersection::{Chains, Intersection, Node, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
@@ -14,7 +14,7 @@ use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 use crate::touch::touch_regions;
-use crate::way_out::{nearest_ways_out, own_direction, shallower_direction};
+use crate::way_out::{nearest_ways_out, way_out};
 
 /// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
 /// their depths may be off.
@@ -139,23 +139,9 @@ fn closed_region(
     let region = MeasuredRegion::of(pair, intersection, cut);
     let outline = region.outline();
     let is_flat = outline.is_flat() || outline.normal().is_none();
-    let measured = |normal: DVec3| {
-        let (deepest, contacts) = match is_flat {
-            true => {
-                let depths = depths_along(&region, normal);
-                (depths.deepest, depths.all)
-            }
-            false => {
-                (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
-            }
-        };
-        (deepest.unwrap_or_else(|| region.on_curve(normal)), contacts)
-    };
-    let (mut deepest, mut contacts) = measured(own_direction(pair, &region));
-    let ways = (!is_flat).then_some(&contacts[..]);
-    if let Some(other) = shallower_direction(pair, &region, &deepest, ways) {
-        (deepest, contacts) = measured(other);
-    }
+    let ways = (!is_flat).then(|| nearest_ways_out(pair, &region));
+    let (way, mut deepest) = way_out(pair, &region, ways.as_deref());
+    let mut contacts = ways.unwrap_or_else(|| depths_along(&region, way).all);
     let normal = deepest.normal;
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.

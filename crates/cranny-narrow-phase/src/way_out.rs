@@ -1,20 +1,24 @@
 //! The way out of a region of overlap: a direction, and the least translation along it that parts
 //! the region.
 //!
-//! Mostly it is the direction of the area that the region's curves enclose. Where that leads along
-//! sides that overlap by a hair, or where two places of contact have grown together, the region is
-//! many times as deep along it as it takes to part it. So where the curves reach as far along that
-//! direction as the region is deep, and its vertices have far shorter ways out, others are measured
-//! as well: normals of the faces, and the least translation that leads all those vertices out and
-//! all those sides apart. One of these counts only if the pieces part along it: rays may miss what
-//! lies across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do
-//! not, and the region keeps its own direction.)
+//! Mostly it is the direction of the area that the region's curves enclose. Where the deepest
+//! contact along it reaches over a gap, as from one turn of a thread to another, and the pieces part
+//! sooner, the region is as deep as that. Where the direction leads along sides that overlap by a
+//! hair, or where two places of contact have grown together, the region is many times as deep along
+//! it as it takes to part it. So where the curves reach as far along that direction as the region is
+//! deep, and its vertices have far shorter ways out, others are measured as well: normals of the
+//! faces, and the least translation that leads all those vertices out and all those sides apart. One
+//! of these counts only if the pieces part along it: rays may miss what lies across. (Whole faces
+//! are looked at; of coarse meshes they may hold where the pieces do not, and the region keeps its
+//! own direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
-use crate::answer::{Contact, Feature};
-use crate::depth::{MeasuredRegion, deepest_along};
+use crate::answer::{Contact, Counters, Feature};
+use crate::depth::{MeasuredRegion, Way, deepest_along};
+use crate::inside::is_inside;
 use crate::pair::{Pair, Side};
+use crate::tally::Tally;
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::Prepared;
 
@@ -63,19 +67,21 @@ const ROUNDS: usize = 32;
 /// Vertices and faces of a piece that are measured at most; of more, these are evenly spread.
 const MAX_SAMPLES: usize = 256;
 
-/// The way out of a region: its direction, unit, and its deepest contact along it, in the pair's
-/// frame.
-pub(crate) fn way_out(pair: &Pair, region: &MeasuredRegion) -> (DVec3, Contact) {
-    let deepest = |normal: DVec3| {
-        let deepest = deepest_along(region, normal, f64::INFINITY);
-        (normal, deepest.unwrap_or_else(|| region.on_curve(normal)))
-    };
-    let (normal, own) = deepest(own_direction(pair, region));
-    shallower_direction(pair, region, &own, None).map_or((normal, own), deepest)
+/// The way out of a region, and its deepest contact along it, in the pair's frame. `ways` are its
+/// [`nearest_ways_out`], where they are known.
+pub(crate) fn way_out(
+    pair: &Pair,
+    region: &MeasuredRegion,
+    ways: Option<&[Contact]>,
+) -> (Way, Contact) {
+    let own = (own_direction(pair, region), f64::INFINITY);
+    let deepest = region.deepest(own);
+    let shallower = shallower_way(pair, region, &deepest, ways);
+    shallower.map_or((own, deepest), |way| (way, region.deepest(way)))
 }
 
 /// The direction of the area that the curves enclose; of the least depth where they enclose none.
-pub(crate) fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
+fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
     region.outline().normal().unwrap_or_else(|| {
         let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
         let toward = centers.try_normalize().unwrap_or(DVec3::Z);
@@ -83,17 +89,24 @@ pub(crate) fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
     })
 }
 
-/// Another direction, along which a region is far less deep than along the normal of its deepest
-/// contact `own`. `ways` are its [`nearest_ways_out`], where they are known.
-pub(crate) fn shallower_direction(
+/// A way along which a region parts far sooner than it is deep by its deepest contact `own`: along
+/// the same normal, where that contact reaches over a gap, as from one turn of a thread to another,
+/// or in another direction.
+fn shallower_way(
     pair: &Pair,
     region: &MeasuredRegion,
     own: &Contact,
     ways: Option<&[Contact]>,
-) -> Option<DVec3> {
+) -> Option<Way> {
     let enough = -own.separation / FAR_DEEPER;
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
+    }
+    let clear = BEYOND * pair.length_error();
+    if !is_solid_between(pair, own, &mut Counters::default())
+        && let Some(most) = parts_at(region, own.normal, (clear, enough))
+    {
+        return Some((own.normal, most));
     }
     let mut ways = match ways {
         Some(known) => local_ways(pair, own, known),
@@ -105,9 +118,9 @@ pub(crate) fn shallower_direction(
     }
     ways.extend(grazing_sides(pair, region, own));
     let together = least_translation(&ways).try_normalize();
-    let clear = BEYOND * pair.length_error();
-    let parts = |n: DVec3, depth| is_parted_within(region, n, (depth + clear, enough));
-    least_deep(pair, region, together.into_iter().collect(), enough, parts)
+    let parts = |n: DVec3, depth| parts_at(region, n, (depth + clear, enough)).is_some();
+    let other = least_deep(pair, region, together.into_iter().collect(), enough, parts);
+    other.map(|n| (n, f64::INFINITY))
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
@@ -123,7 +136,7 @@ pub(crate) fn parts_within(
     ways.extend(grazing_sides(pair, region, own));
     let translation = least_translation(&ways);
     let far = translation.length();
-    translation.try_normalize().is_some_and(|n| is_parted_within(region, n, (far, depth)))
+    translation.try_normalize().is_some_and(|n| parts_at(region, n, (far, depth)).is_some())
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
@@ -135,6 +148,15 @@ fn local_ways(pair: &Pair, own: &Contact, ways: &[Contact]) -> Vec<LocalWay> {
     let clear = BEYOND * pair.length_error();
     let ways = ways.iter().filter(|way| way.separation > own.separation);
     ways.map(|way| (way.normal, clear - way.separation)).collect()
+}
+
+/// Whether both solids are all the way between the points of a contact, as far as a few points say.
+/// Where they are not, as between the turns of a thread, nothing has dug in so deep.
+pub(crate) fn is_solid_between(pair: &Pair, contact: &Contact, counters: &mut impl Tally) -> bool {
+    [0.25, 0.5, 0.75].into_iter().all(|t| {
+        let p = contact.point_a.lerp(contact.point_b, t);
+        Side::BOTH.into_iter().all(|side| is_inside(pair, side, p, counters))
+    })
 }
 
 /// Whether most faces that do not look along a region's direction graze one of the other piece.
@@ -218,7 +240,7 @@ fn least_deep(
     }
     let (mut least, mut best) = (enough, None);
     for n in candidates {
-        let Some(deepest) = deepest_along(region, n, least) else { continue };
+        let Some(deepest) = deepest_along(region, (n, f64::INFINITY), least) else { continue };
         let depth = -deepest.separation;
         if depth < least && counts(n, depth) {
             (least, best) = (depth, Some(n));
@@ -227,10 +249,10 @@ fn least_deep(
     best
 }
 
-/// Whether the faces of the two pieces do not meet where the second body is moved along `n`, by
-/// something between two lengths. A corner that no vertex's way out and no side stands for holds
-/// them beyond the least.
-fn is_parted_within(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> bool {
+/// By how much, between two lengths, the second body is moved along `n` where the faces of the two
+/// pieces do not meet any more. A corner that no vertex's way out and no side stands for holds them
+/// beyond the least.
+fn parts_at(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> Option<f64> {
     let axis = widest(region);
     let boxed = |triangle: [DVec3; 3]| (Aabb::of_points(triangle), triangle);
     let [first, second] = &region.triangles;
@@ -244,7 +266,7 @@ fn is_parted_within(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)
     };
     let lengths = std::iter::successors(Some(least), |length| Some(FARTHER * length));
     let mut lengths = lengths.take_while(|length| *length <= most);
-    lengths.any(|length| !second.iter().any(|triangle| meets(length * n, triangle)))
+    lengths.find(|length| !second.iter().any(|triangle| meets(length * n, triangle)))
 }
 
 /// The axis along which the first body's piece is longest.

@@ -14,7 +14,6 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
-use super::overlap::is_inside;
 use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, deepest_along, depths_along, range};
 use crate::intersection::{Intersection, intersect};
@@ -24,7 +23,7 @@ use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
 use crate::tally::Tally;
-use crate::way_out::{mostly_grazes, nearest_ways_out, parts_within};
+use crate::way_out::{is_solid_between, mostly_grazes, nearest_ways_out, parts_within};
 
 /// How many times deeper than its contacts a region is that gets others. Smaller: contacts with
 /// normals of their own place are joined by some of a mean normal; larger: walls dig in so much.
@@ -67,28 +66,19 @@ pub(super) fn contacts_of_walls(
             continue;
         }
         let region = MeasuredRegion::of(pair, &intersection, pieces);
-        let own = deepest_along(&region, normal, f64::INFINITY);
+        let own = deepest_along(&region, (normal, f64::INFINITY), f64::INFINITY);
         let own = own.filter(|own| -own.separation > shallow);
         let Some(own) = own.filter(|own| is_solid_between(pair, own, counters)) else { continue };
         let ways = nearest_ways_out(pair, &region);
         if mostly_grazes(pair, &region, &own) || parts_within(pair, &region, &own, &ways, shallow) {
             continue;
         }
-        let mut all = depths_along(&region, normal).all;
+        let mut all = depths_along(&region, (normal, f64::INFINITY)).all;
         all.retain(|contact| contact.id != own.id);
         all.push(own);
         found.extend(reduce(all));
     }
     found
-}
-
-/// Whether both solids are all the way between the points of a contact, as far as a few points say.
-/// Where they are not, as between the turns of a thread, nothing has dug in so deep.
-fn is_solid_between(pair: &Pair, contact: &Contact, counters: &mut impl Tally) -> bool {
-    [0.25, 0.5, 0.75].into_iter().all(|t| {
-        let p = contact.point_a.lerp(contact.point_b, t);
-        Side::BOTH.into_iter().all(|side| is_inside(pair, side, p, counters))
-    })
 }
 
 /// Whether an edge that names an end of what two faces share is sharp.

@@ -420,6 +420,10 @@ fn flanks_that_overlap_are_no_deeper_than_their_turn() {
             let answer = contacts_with(at(&bolt, 0.0, 0.0, 0.0), nut, 0.0, &mut memory);
             let depth = -answer.contacts[0].separation;
             assert!(depth > 0.005 && depth < 0.1, "{degrees} degrees, {below}: {depth}");
+            let regions = ask(at(&bolt, 0.0, 0.0, 0.0), nut, Demand::Regions { margin: 0.0 });
+            let depths = regions.regions.iter().filter_map(|region| region.depth);
+            let deepest = depths.fold(0.0, f64::max);
+            assert!(deepest > 0.005 && deepest < 0.1, "{degrees} degrees, {below}: {deepest}");
         }
     }
 }
