@@ -2,15 +2,15 @@
 //! the region.
 //!
 //! Mostly it is the direction of the area that the region's curves enclose. Where the deepest
-//! contact along it reaches over a gap, as from one turn of a thread to another, and the pieces part
-//! sooner, the region is as deep as that. Where the direction leads along sides that overlap by a
-//! hair, or where two places of contact have grown together, the region is many times as deep along
-//! it as it takes to part it. So where the curves reach as far along that direction as the region is
-//! deep, and its vertices have far shorter ways out, others are measured as well: normals of the
-//! faces, and the least translation that leads all those vertices out and all those sides apart. One
-//! of these counts only if the pieces part along it: rays may miss what lies across. (Whole faces
-//! are looked at; of coarse meshes they may hold where the pieces do not, and the region keeps its
-//! own direction.)
+//! contact along it reaches over a gap, as from one turn of a thread to another, and the pieces
+//! part sooner, the region is as deep as that. Where the direction leads along sides that overlap
+//! by a hair, or where two places of contact have grown together, the region is many times as deep
+//! along it as it takes to part it. So where the curves reach as far along that direction as the
+//! region is deep, and its vertices have far shorter ways out, others are measured as well:
+//! normals of the faces, and the least translation that leads all those vertices out and all those
+//! sides apart. One of these counts only if the pieces part along it: rays may miss what lies
+//! across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do not, and
+//! the region keeps its own direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
