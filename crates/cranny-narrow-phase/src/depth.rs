@@ -26,6 +26,11 @@ const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 /// would do.
 const SAMPLES: usize = 32;
 
+/// How much farther than a depth, in multiples of what rounding makes a length off, the pieces are
+/// moved to see whether it parts them. Smaller: features that touch then still meet; larger: what
+/// is a little deeper counts as parted.
+const BEYOND: f64 = 64.0;
+
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
 pub(crate) struct Depths {
     /// The largest, if the pieces overlap along the direction at all.
@@ -84,6 +89,23 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
     /// The deepest contact along a direction; of depth 0, on the curves, where there is none.
     pub(crate) fn deepest(&self, way: Way) -> Contact {
         deepest_along(self, way, f64::INFINITY).unwrap_or_else(|| self.on_curve(way.0))
+    }
+
+    /// How far apart is clear of rounding.
+    pub(crate) fn clear(&self) -> f64 {
+        BEYOND * self.pair.length_error()
+    }
+
+    /// Whether faces of the pieces lie between the points of a contact. Where none do, both solids
+    /// are all the way between; where some do, as between the turns of a thread, there is a gap, or
+    /// a face reaches beyond its piece.
+    pub(crate) fn has_faces_between(&self, contact: &Contact) -> bool {
+        let view = View { region: self, normal: contact.normal, most: f64::INFINITY };
+        let [high, low] = [contact.point_a, contact.point_b].map(|p| view.height(p));
+        let between = low + self.clear()..high - self.clear();
+        let mut feet =
+            self.triangles.iter().flatten().filter_map(|t| view.foot(contact.point_a, t));
+        feet.any(|foot| between.contains(&view.height(foot)))
     }
 
     /// A contact of depth 0 at the first point of the curves.

@@ -30,11 +30,6 @@ pub(crate) enum Location {
 const SWAY: f64 = 0.25;
 const _: () = assert!(0.0 < SWAY && SWAY < 0.75);
 
-/// Whether a point lies strictly inside a body.
-pub(crate) fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
-    locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
-}
-
 /// Classifies a point of the pair's frame against the solid on a side.
 pub(crate) fn locate(
     pair: &Pair,

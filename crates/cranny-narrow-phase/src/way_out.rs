@@ -14,11 +14,9 @@
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
-use crate::answer::{Contact, Counters, Feature};
+use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, Way, deepest_along};
-use crate::inside::is_inside;
 use crate::pair::{Pair, Side};
-use crate::tally::Tally;
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::Prepared;
 
@@ -50,11 +48,6 @@ const HAIR: f64 = 0.05;
 /// How many times deeper a region is along its own direction than along another that takes its
 /// place. Smaller: normals jump from step to step; larger: depths are of no use.
 const FAR_DEEPER: f64 = 3.0;
-
-/// How much farther than a depth, in multiples of what rounding makes a length off, the pieces are
-/// moved to see whether it parts them. Smaller: features that touch then still meet; larger: what
-/// is a little deeper counts as parted.
-const BEYOND: f64 = 64.0;
 
 /// By how much farther than before the pieces are moved until they are parted, or have been moved
 /// too far. Smaller: more tries; larger: what is nearly too deep is not seen to part.
@@ -102,39 +95,39 @@ fn shallower_way(
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
     }
-    let clear = BEYOND * pair.length_error();
-    if !is_solid_between(pair, own, &mut Counters::default())
-        && let Some(most) = parts_at(region, own.normal, (clear, enough))
+    let mut ways = match ways {
+        Some(known) => local_ways(region, own, known),
+        None => local_ways(region, own, &nearest_ways_out(pair, region)),
+    };
+    // What leads all out is no shorter than the longest of their ways.
+    if ways.iter().any(|way| way.1 >= enough) {
+        return None;
+    }
+    if region.has_faces_between(own)
+        && let Some(most) = parts_at(region, own.normal, (region.clear(), enough))
     {
         return Some((own.normal, most));
     }
-    let mut ways = match ways {
-        Some(known) => local_ways(pair, own, known),
-        None => local_ways(pair, own, &nearest_ways_out(pair, region)),
-    };
-    // What leads all out is no shorter than the longest of their ways.
-    if ways.iter().any(|way| way.1 >= enough) || least_translation(&ways).length() >= enough {
+    if least_translation(&ways).length() >= enough {
         return None;
     }
     ways.extend(grazing_sides(pair, region, own));
     let together = least_translation(&ways).try_normalize();
-    let parts = |n: DVec3, depth| parts_at(region, n, (depth + clear, enough)).is_some();
+    let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
     let other = least_deep(pair, region, together.into_iter().collect(), enough, parts);
     other.map(|n| (n, f64::INFINITY))
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
-/// along some direction, `ways` are its [`nearest_ways_out`].
+/// along some direction.
 pub(crate) fn parts_within(
     pair: &Pair,
     region: &MeasuredRegion,
     own: &Contact,
-    ways: &[Contact],
     depth: f64,
 ) -> bool {
-    let mut ways = local_ways(pair, own, ways);
-    ways.extend(grazing_sides(pair, region, own));
-    let translation = least_translation(&ways);
+    let ways = local_ways(region, own, &nearest_ways_out(pair, region));
+    let translation = least_translation(&[ways, grazing_sides(pair, region, own)].concat());
     let far = translation.length();
     translation.try_normalize().is_some_and(|n| parts_at(region, n, (far, depth)).is_some())
 }
@@ -144,19 +137,9 @@ type LocalWay = (DVec3, f64);
 
 /// What leads vertices out. One whose nearest way leads past an edge of the piece got a longer way,
 /// which is left out.
-fn local_ways(pair: &Pair, own: &Contact, ways: &[Contact]) -> Vec<LocalWay> {
-    let clear = BEYOND * pair.length_error();
+fn local_ways(region: &MeasuredRegion, own: &Contact, ways: &[Contact]) -> Vec<LocalWay> {
     let ways = ways.iter().filter(|way| way.separation > own.separation);
-    ways.map(|way| (way.normal, clear - way.separation)).collect()
-}
-
-/// Whether both solids are all the way between the points of a contact, as far as a few points say.
-/// Where they are not, as between the turns of a thread, nothing has dug in so deep.
-pub(crate) fn is_solid_between(pair: &Pair, contact: &Contact, counters: &mut impl Tally) -> bool {
-    [0.25, 0.5, 0.75].into_iter().all(|t| {
-        let p = contact.point_a.lerp(contact.point_b, t);
-        Side::BOTH.into_iter().all(|side| is_inside(pair, side, p, counters))
-    })
+    ways.map(|way| (way.normal, region.clear() - way.separation)).collect()
 }
 
 /// Whether most faces that do not look along a region's direction graze one of the other piece.
@@ -173,11 +156,10 @@ pub(crate) fn mostly_grazes(pair: &Pair, region: &MeasuredRegion, own: &Contact)
 /// Normals of the first body's faces that graze a face of the other piece, and by how much they
 /// lie behind it: they lead out of no vertex, and a region is as deep along them as they are high.
 fn grazing_sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
-    let clear = BEYOND * pair.length_error();
     let [first, second] = sides(pair, region, own);
     let deepest = |face: &Plane| {
         let hairs = second.iter().filter_map(|its| hair(face, its, own));
-        Some((face.0, clear + hairs.reduce(f64::max)?))
+        Some((face.0, region.clear() + hairs.reduce(f64::max)?))
     };
     first.iter().filter_map(deepest).collect()
 }

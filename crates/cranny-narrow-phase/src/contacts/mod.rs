@@ -117,7 +117,7 @@ pub(crate) fn near_patches(
             contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
         // Where penetrations are wanted, they say how deep regions are.
         if !overlapping.iter().any(|contact| wanted.is_deep(contact)) {
-            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping, counters));
+            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
         }
     }
     contacts.sort_by(nearer);

@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::{Aabb, DVec3, WeightedPoint};
 use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 
 use super::coarse::Coarse;
@@ -20,7 +20,7 @@ use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use super::{nearer, patches_of};
 use crate::answer::{Contact, Feature};
-use crate::inside::{is_inside, local};
+use crate::inside::{Location, local, locate};
 use crate::pair::{Pair, Side};
 use crate::search::Vicinity;
 use crate::surface::FacePair;
@@ -106,6 +106,10 @@ impl<'p, 'm> Overlaps<'p, 'm> {
             _ => 0.0,
         }
     }
+}
+
+pub(super) fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
+    locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
 }
 
 fn vertices_inside(

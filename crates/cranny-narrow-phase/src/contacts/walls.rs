@@ -15,15 +15,14 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
-use crate::depth::{MeasuredRegion, deepest_along, depths_along, range};
+use crate::depth::{MeasuredRegion, depths_along, range};
 use crate::intersection::{Intersection, intersect};
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::surface::FacePair;
-use crate::tally::Tally;
-use crate::way_out::{is_solid_between, mostly_grazes, nearest_ways_out, parts_within};
+use crate::way_out::{mostly_grazes, parts_within};
 
 /// How many times deeper than its contacts a region is that gets others. Smaller: contacts with
 /// normals of their own place are joined by some of a mean normal; larger: walls dig in so much.
@@ -40,7 +39,6 @@ pub(super) fn contacts_of_walls(
     pair: &Pair,
     meeting: &[FacePair],
     known: &[Contact],
-    counters: &mut impl Tally,
 ) -> Vec<Contact> {
     let mut found = Vec::new();
     if !Side::BOTH.iter().all(|&side| pair.model(side).is_closed())
@@ -66,11 +64,12 @@ pub(super) fn contacts_of_walls(
             continue;
         }
         let region = MeasuredRegion::of(pair, &intersection, pieces);
-        let own = deepest_along(&region, (normal, f64::INFINITY), f64::INFINITY);
-        let own = own.filter(|own| -own.separation > shallow);
-        let Some(own) = own.filter(|own| is_solid_between(pair, own, counters)) else { continue };
-        let ways = nearest_ways_out(pair, &region);
-        if mostly_grazes(pair, &region, &own) || parts_within(pair, &region, &own, &ways, shallow) {
+        let own = region.deepest((normal, f64::INFINITY));
+        if -own.separation <= shallow
+            || region.has_faces_between(&own)
+            || mostly_grazes(pair, &region, &own)
+            || parts_within(pair, &region, &own, shallow)
+        {
             continue;
         }
         let mut all = depths_along(&region, (normal, f64::INFINITY)).all;
