@@ -17,6 +17,7 @@ use crate::intersection::Intersection;
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
+use crate::special_position::STEEPEST;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
@@ -39,10 +40,10 @@ pub(crate) struct Depths {
     keeps: bool,
     /// Where one is as large as this, no larger one is sought.
     enough: f64,
-    /// One for every vertex of the pieces that is ahead, and for crossing edges while they are few.
-    /// A vertex that comes out just beside the other piece (no farther than it is deep) counts as
-    /// well: of a box that has sunk in askew, the sides lean, and three corners of four come out
-    /// past the curve.
+    /// One for every vertex of the pieces that is ahead, no more than the way is long, and for
+    /// crossing edges while they are few. A vertex that comes out just beside the other piece (no
+    /// farther than it is deep) counts as well: of a box that has sunk in askew, the sides lean,
+    /// and three corners of four come out past the curve.
     pub(crate) all: Vec<Contact>,
 }
 
@@ -96,16 +97,19 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
         BEYOND * self.pair.length_error()
     }
 
-    /// Whether faces of the pieces lie between the points of a contact. Where none do, both solids
-    /// are all the way between; where some do, as between the turns of a thread, there is a gap, or
-    /// a face reaches beyond its piece.
+    /// Whether faces of the pieces lie between the points of a contact, as between the turns of a
+    /// thread: there is a gap, or a face reaches beyond its piece. Faces that are seen edge-on do
+    /// not count: of these, rounding decides.
     pub(crate) fn has_faces_between(&self, contact: &Contact) -> bool {
         let view = View { region: self, normal: contact.normal, most: f64::INFINITY };
-        let [high, low] = [contact.point_a, contact.point_b].map(|p| view.height(p));
-        let between = low + self.clear()..high - self.clear();
-        let mut feet =
-            self.triangles.iter().flatten().filter_map(|t| view.foot(contact.point_a, t));
-        feet.any(|foot| between.contains(&view.height(foot)))
+        let between = self.clear()..-contact.separation - self.clear();
+        let is_steep = |[a, b, c]: &[DVec3; 3]| {
+            let area = (*b - *a).cross(*c - *a);
+            view.height(area).abs() <= STEEPEST * area.length()
+        };
+        let faces = self.triangles.iter().flatten().filter(|face| !is_steep(face));
+        let mut feet = faces.filter_map(|face| view.foot(contact.point_a, face));
+        feet.any(|foot| between.contains(&view.height(contact.point_a - foot)))
     }
 
     /// A contact of depth 0 at the first point of the curves.
@@ -122,8 +126,8 @@ pub(crate) fn range(heights: impl IntoIterator<Item = f64>) -> (f64, f64) {
     heights.into_iter().fold(none, |(low, high), height| (low.min(height), high.max(height)))
 }
 
-/// Measures a region along a unit direction (from first to second, pair's frame) that parts it
-/// within some length, as far as that is known.
+/// Measures a region along a way (from first to second, pair's frame): what is deeper than its
+/// length is left out.
 pub(crate) fn depths_along(region: &MeasuredRegion, (normal, most): Way) -> Depths {
     measure(&View { region, normal, most }, true, f64::INFINITY)
 }
@@ -153,6 +157,7 @@ fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
 struct View<'g, 'a, 'b> {
     region: &'g MeasuredRegion<'a, 'b>,
     normal: DVec3,
+    /// What is deeper is left out.
     most: f64,
 }
 

@@ -3,7 +3,7 @@
 use cranny_exact::{DVec3, RigidMap};
 
 use crate::answer::{Contact, Region};
-use crate::depth::{MeasuredRegion, Way};
+use crate::depth::MeasuredRegion;
 use crate::intersection::{Intersection, intersect};
 use crate::pair::{Pair, PosedVertices};
 use crate::pieces::cut;
@@ -58,16 +58,17 @@ pub(crate) fn overlaps(
         let pieces = cut(pair, intersection);
         let of_region = |pieces| {
             let region = MeasuredRegion::of(pair, intersection, pieces);
-            way_out(pair, &region, None)
+            way_out(pair, &region, None).1
         };
         pieces.iter().map(of_region).collect()
     };
     let here = intersect(pair, pairs);
-    let depth = |found: &(Way, Contact)| -found.1.separation;
+    let depth = |deepest: &Contact| -deepest.separation;
     let (found, _) = in_general_position(pair, posed, &here, counters, of_regions, depth);
-    let finish = |((normal, _), deepest): (Way, Contact)| {
+    let finish = |deepest: Contact| {
+        let normal = pair.world_normal(deepest.normal);
         let deepest = if here.generic { deepest } else { settled(pair, deepest) };
-        Penetration { normal: pair.world_normal(normal), deepest: pair.world_contact(deepest) }
+        Penetration { normal, deepest: pair.world_contact(deepest) }
     };
     found.into_iter().map(finish).collect()
 }

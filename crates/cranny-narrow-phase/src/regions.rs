@@ -140,19 +140,14 @@ fn closed_region(
     let outline = region.outline();
     let is_flat = outline.is_flat() || outline.normal().is_none();
     let ways = (!is_flat).then(|| nearest_ways_out(pair, &region));
-    let (way, mut deepest) = way_out(pair, &region, ways.as_deref());
+    let (way, deepest) = way_out(pair, &region, ways.as_deref());
     let mut contacts = ways.unwrap_or_else(|| depths_along(&region, way).all);
     let normal = deepest.normal;
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
     // Of corners that are equally deep but for rounding, the one that is reported is the deepest.
-    let key = |c: &Contact| (c.separation, c.id);
-    for &contact in &contacts {
-        if key(&contact) < key(&deepest) {
-            deepest = contact;
-        }
-    }
+    let deepest = contacts.iter().fold(deepest, |x, &y| std::cmp::min_by(x, y, nearer));
     let mut points = reduce(contacts);
     points.retain(|c| c.id != deepest.id);
     points.insert(0, deepest);

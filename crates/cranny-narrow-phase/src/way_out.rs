@@ -1,16 +1,17 @@
 //! The way out of a region of overlap: a direction, and the least translation along it that parts
 //! the region.
 //!
-//! Mostly it is the direction of the area that the region's curves enclose. Where the deepest
-//! contact along it reaches over a gap, as from one turn of a thread to another, and the pieces
-//! part sooner, the region is as deep as that. Where the direction leads along sides that overlap
-//! by a hair, or where two places of contact have grown together, the region is many times as deep
-//! along it as it takes to part it. So where the curves reach as far along that direction as the
-//! region is deep, and its vertices have far shorter ways out, others are measured as well:
-//! normals of the faces, and the least translation that leads all those vertices out and all those
-//! sides apart. One of these counts only if the pieces part along it: rays may miss what lies
-//! across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do not, and
-//! the region keeps its own direction.)
+//! Mostly it is the direction of the area that the region's curves enclose. That may lead along
+//! sides that overlap by a hair, over the gap between two turns of a thread, or through two places
+//! of contact that have grown together: then the region is many times as deep along it as it takes
+//! to part it. So where the curves reach as far along that direction as the region is deep, and
+//! its vertices have far shorter ways out, the region is looked at again. Where the deepest
+//! contact reaches over a gap and the pieces part sooner, what lies beyond the gap does not count.
+//! Otherwise other directions are measured as well: normals of the faces, and the least
+//! translation that leads all those vertices out and all those sides apart. One of these counts
+//! only if the pieces part along it: rays may miss what lies across. (Whole faces are looked at;
+//! of coarse meshes they may hold where the pieces do not, and the region keeps its own
+//! direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
@@ -83,8 +84,8 @@ fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
 }
 
 /// A way along which a region parts far sooner than it is deep by its deepest contact `own`: along
-/// the same normal, where that contact reaches over a gap, as from one turn of a thread to another,
-/// or in another direction.
+/// the same normal, where that contact reaches over a gap, as from one turn of a thread to another;
+/// only where it does not part so, in another direction.
 fn shallower_way(
     pair: &Pair,
     region: &MeasuredRegion,
@@ -127,9 +128,8 @@ pub(crate) fn parts_within(
     depth: f64,
 ) -> bool {
     let ways = local_ways(region, own, &nearest_ways_out(pair, region));
-    let translation = least_translation(&[ways, grazing_sides(pair, region, own)].concat());
-    let far = translation.length();
-    translation.try_normalize().is_some_and(|n| parts_at(region, n, (far, depth)).is_some())
+    let out = least_translation(&[ways, grazing_sides(pair, region, own)].concat());
+    out.try_normalize().is_some_and(|n| parts_at(region, n, (out.length(), depth)).is_some())
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
@@ -232,8 +232,8 @@ fn least_deep(
 }
 
 /// By how much, between two lengths, the second body is moved along `n` where the faces of the two
-/// pieces do not meet any more. A corner that no vertex's way out and no side stands for holds them
-/// beyond the least.
+/// pieces do not meet any more. Where the least is what the ways of vertices say, a corner that
+/// none of them and no side stands for holds beyond it.
 fn parts_at(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> Option<f64> {
     let axis = widest(region);
     let boxed = |triangle: [DVec3; 3]| (Aabb::of_points(triangle), triangle);

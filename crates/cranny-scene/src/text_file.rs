@@ -30,11 +30,12 @@ pub fn read_text(path: &Path) -> io::Result<String> {
     })
 }
 
-/// What is to be done about a file that [`read_text`] does not read.
+/// What is to be done about a file that is not read, as by [`read_text`].
 #[must_use]
 pub fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::InvalidData => "Save it as UTF-8 text",
+        io::ErrorKind::IsADirectory => "It is a folder: name a file in it",
         _ => "Check the path and its permissions",
     }
 }
@@ -68,9 +69,9 @@ mod tests {
         }
         fs::write(&path, "ü").unwrap();
         assert_eq!(read_text(&path).unwrap(), "ü");
-        assert_eq!(
-            remedy(&read_text(folder.path()).unwrap_err()),
-            "Check the path and its permissions"
-        );
+        let folder_is_none = remedy(&read_text(folder.path()).unwrap_err());
+        assert_eq!(folder_is_none, "It is a folder: name a file in it");
+        let nothing = remedy(&read_text(&folder.path().join("b.ron")).unwrap_err());
+        assert_eq!(nothing, "Check the path and its permissions");
     }
 }

@@ -108,7 +108,7 @@ impl<'p, 'm> Overlaps<'p, 'm> {
     }
 }
 
-pub(super) fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
+fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
     locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
 }
 

@@ -420,10 +420,19 @@ fn flanks_that_overlap_are_no_deeper_than_their_turn() {
             let answer = contacts_with(at(&bolt, 0.0, 0.0, 0.0), nut, 0.0, &mut memory);
             let depth = -answer.contacts[0].separation;
             assert!(depth > 0.005 && depth < 0.1, "{degrees} degrees, {below}: {depth}");
-            let regions = ask(at(&bolt, 0.0, 0.0, 0.0), nut, Demand::Regions { margin: 0.0 });
-            let depths = regions.regions.iter().filter_map(|region| region.depth);
-            let deepest = depths.fold(0.0, f64::max);
-            assert!(deepest > 0.005 && deepest < 0.1, "{degrees} degrees, {below}: {deepest}");
+            let (bolt, regions) = (at(&bolt, 0.0, 0.0, 0.0), Demand::Regions { margin: 0.0 });
+            let deepest = |a: Placed, b: Placed| {
+                let depths = ask(a, b, regions).regions.into_iter();
+                depths.filter_map(|r| Some((r.depth?, r.normal))).max_by(|x, y| x.0.total_cmp(&y.0))
+            };
+            let (depth, normal) = deepest(bolt, nut).unwrap();
+            assert!(depth > 0.005 && depth < 0.1, "{degrees} degrees, {below}: {depth}");
+            assert_eq!(deepest(nut, bolt).unwrap(), (depth, -normal));
+            for (share, meets) in [(1.001, Meeting::None), (0.3, Meeting::Cross)] {
+                let translation = nut.pose.translation + share * depth * normal;
+                let moved = Placed { pose: Pose { translation, ..nut.pose }, ..nut };
+                assert_eq!(ask(bolt, moved, Demand::Intersects).surface, meets, "{depth} {share}");
+            }
         }
     }
 }

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use cranny_geometry::{Flatness, Mesh};
 use thiserror::Error;
 
-use crate::text_file::bytes_without_mark;
+use crate::text_file::{bytes_without_mark, remedy};
 
 pub use collada::UpAxis;
 pub use looks::Looks;
@@ -115,7 +115,7 @@ pub struct MeshFile {
 #[non_exhaustive]
 pub enum MeshFileError {
     /// The file cannot be opened or read.
-    #[error("mesh file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
+    #[error("mesh file {}: cannot be read ({source}). {}.", path.display(), remedy(source))]
     Unreadable {
         /// The path.
         path: PathBuf,

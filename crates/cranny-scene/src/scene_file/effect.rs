@@ -219,7 +219,7 @@ impl<'de> Visitor<'de> for Nothing {
 
 fn has_no_level<E: de::Error>(effect: &str) -> E {
     E::custom(format!(
-        "effect {effect} needs exact contacts, so it has no `accuracy`: Trigger and Proximity have one"
+        "effect {effect} is always exact, so it has no `accuracy`: Trigger and Proximity have one"
     ))
 }
 
@@ -236,7 +236,7 @@ impl<T> Parameters<T> {
         Self { expected, exact: None, of: PhantomData }
     }
 
-    /// Of an effect that needs exact contacts.
+    /// Of an effect that is always exact.
     fn exact(effect: &'static str, expected: &'static str) -> Self {
         Self { exact: Some(effect), ..Self::new(expected) }
     }

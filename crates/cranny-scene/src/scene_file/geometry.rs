@@ -14,6 +14,7 @@ use super::body_syntax::{RepairFile, ShapeFile, UnitsFile};
 use super::primitive::PrimitiveFile;
 use super::problem::{SceneError, SceneProblem};
 use crate::mesh_file::{MeshFormat, is_saved_model, read_mesh};
+use crate::text_file::remedy;
 
 /// What collides of a body.
 #[derive(Clone, Debug)]
@@ -126,9 +127,8 @@ impl Assembly<'_> {
             let problem = format!("body {body:?}: model file {}: {what}", path.display());
             self.source.error(place, SceneProblem::Contradiction(problem))
         };
-        let bytes = fs::read(&path).map_err(|error| {
-            refuse(format!("cannot be read ({error}). Check the path and its permissions"))
-        })?;
+        let bytes = fs::read(&path)
+            .map_err(|error| refuse(format!("cannot be read ({error}). {}", remedy(&error))))?;
         let model = Model::decode(&bytes).map_err(|error| refuse(error.to_string()))?;
         self.add_file(path);
         Ok(CollisionGeometry::of_model(model))

@@ -270,9 +270,9 @@ fn levels_and_budgets_are_read() {
         ("(budget: -1)", "line 1"),
         ("(budget: 1.5)", "line 1"),
         ("(effects: [Trigger(accuracy: Nice)])", "Hulls"),
-        ("(effects: [Contacts(accuracy: Hulls)])", "effect Contacts needs exact contacts"),
-        ("(effects: [Sound(above: 1, accuracy: Caps)])", "effect Sound needs exact contacts"),
-        ("(effects: [Response(accuracy: Caps)])", "effect Response needs exact contacts"),
+        ("(effects: [Contacts(accuracy: Hulls)])", "effect Contacts is always exact"),
+        ("(effects: [Sound(above: 1, accuracy: Caps)])", "effect Sound is always exact"),
+        ("(effects: [Response(accuracy: Caps)])", "effect Response is always exact"),
         ("(effects: [Penetration(accuracy: Exact)])", "Trigger and Proximity have one"),
     ] {
         let error = refused(text);
