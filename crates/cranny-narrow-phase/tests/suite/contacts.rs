@@ -411,7 +411,7 @@ fn flanks_that_overlap_are_no_deeper_than_their_turn() {
     let bolt = shape(IsoBolt { diameter: 16.0, pitch: 2.0, segments: 36, ..IsoBolt::default() });
     let nut = IsoNut { diameter: 16.0, pitch: 2.0, clearance: 0.1, ..IsoNut::default() };
     let nut = shape(IsoNut { segments: 36, ..nut });
-    let mut memory = PairMemory::default();
+    let (mut memory, mut parted) = (PairMemory::default(), 0);
     for degrees in [0.5, 1.0, 4.0, 6.5, 7.5, 8.5, 9.5f64] {
         for below in [0.063, 0.075, 0.087] {
             let rotation = DQuat::from_rotation_z(degrees.to_radians());
@@ -428,13 +428,19 @@ fn flanks_that_overlap_are_no_deeper_than_their_turn() {
             let (depth, normal) = deepest(bolt, nut).unwrap();
             assert!(depth > 0.005 && depth < 0.1, "{degrees} degrees, {below}: {depth}");
             assert_eq!(deepest(nut, bolt).unwrap(), (depth, -normal));
-            for (share, meets) in [(1.001, Meeting::None), (0.3, Meeting::Cross)] {
+            if normal.z < 0.99 {
+                // Where flanks overlap facet by facet, no one of the ways out is that of all.
+                continue;
+            }
+            for (share, meets) in [(1.001, Meeting::None), (0.999, Meeting::Cross)] {
                 let translation = nut.pose.translation + share * depth * normal;
                 let moved = Placed { pose: Pose { translation, ..nut.pose }, ..nut };
                 assert_eq!(ask(bolt, moved, Demand::Intersects).surface, meets, "{depth} {share}");
             }
+            parted += 1;
         }
     }
+    assert!(parted > 8, "{parted}");
 }
 
 /// What overlaps the two sides of a notch by a hair has dug in nowhere, however high they are.
