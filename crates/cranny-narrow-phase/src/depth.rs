@@ -33,9 +33,9 @@ const SAMPLES: usize = 32;
 const BEYOND: f64 = 64.0;
 
 /// The depths of a region along a direction: by how much the first piece is ahead of the second.
-pub(crate) struct Depths {
+struct Depths {
     /// The largest, if the pieces overlap along the direction at all.
-    pub(crate) deepest: Option<Contact>,
+    deepest: Option<Contact>,
     /// Whether all are wanted, not the largest alone.
     keeps: bool,
     /// Where one is as large as this, no larger one is sought.
@@ -44,16 +44,28 @@ pub(crate) struct Depths {
     /// crossing edges while they are few. A vertex that comes out just beside the other piece (no
     /// farther than it is deep) counts as well: of a box that has sunk in askew, the sides lean,
     /// and three corners of four come out past the curve.
-    pub(crate) all: Vec<Contact>,
+    all: Vec<Contact>,
 }
 
-/// A direction, and a length by which it is known to part a region: what lies farther behind is
-/// behind a gap. Infinite where none is known.
-pub(crate) type Way = (DVec3, f64);
+/// A direction that depths are measured along.
+#[derive(Clone, Copy)]
+pub(crate) struct Way {
+    /// Unit, from first to second, in the pair's frame.
+    pub(crate) normal: DVec3,
+    /// A length by which it is known to part the region: what is deeper lies behind a gap and is
+    /// left out. Infinite where none is known.
+    pub(crate) most: f64,
+}
+
+impl Way {
+    pub(crate) fn along(normal: DVec3) -> Self {
+        Self { normal, most: f64::INFINITY }
+    }
+}
 
 /// A region and what measuring it along any direction needs.
 pub(crate) struct MeasuredRegion<'a, 'b> {
-    pair: &'a Pair<'b>,
+    pub(crate) pair: &'a Pair<'b>,
     intersection: &'a Intersection,
     pub(crate) cut: &'a RegionPieces,
     /// The corners of each piece's faces, in their order.
@@ -87,9 +99,18 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
         high - low
     }
 
-    /// The deepest contact along a direction; of depth 0, on the curves, where there is none.
-    pub(crate) fn deepest(&self, way: Way) -> Contact {
-        deepest_along(self, way, f64::INFINITY).unwrap_or_else(|| self.on_curve(way.0))
+    /// The deepest contact along a way, of depth 0, on the curves, where there is none; and, if
+    /// `keeps`, one for every vertex and crossing that is deep there. Without them it is found with
+    /// less work, and equal but for rounding.
+    pub(crate) fn measure(&self, way: Way, keeps: bool) -> (Contact, Vec<Contact>) {
+        let Depths { deepest, all, .. } =
+            measure(&View { region: self, way }, keeps, f64::INFINITY);
+        (deepest.unwrap_or_else(|| self.on_curve(way.normal)), all)
+    }
+
+    /// The deepest contact along a direction; or, where one is at least `enough` deep, any such.
+    pub(crate) fn deepest_along(&self, normal: DVec3, enough: f64) -> Option<Contact> {
+        measure(&View { region: self, way: Way::along(normal) }, false, enough).deepest
     }
 
     /// How far apart is clear of rounding.
@@ -101,7 +122,7 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
     /// thread: there is a gap, or a face reaches beyond its piece. Faces that are seen edge-on do
     /// not count: of these, rounding decides.
     pub(crate) fn has_faces_between(&self, contact: &Contact) -> bool {
-        let view = View { region: self, normal: contact.normal, most: f64::INFINITY };
+        let view = View { region: self, way: Way::along(contact.normal) };
         let between = self.clear()..-contact.separation - self.clear();
         let is_steep = |[a, b, c]: &[DVec3; 3]| {
             let area = (*b - *a).cross(*c - *a);
@@ -126,22 +147,6 @@ pub(crate) fn range(heights: impl IntoIterator<Item = f64>) -> (f64, f64) {
     heights.into_iter().fold(none, |(low, high), height| (low.min(height), high.max(height)))
 }
 
-/// Measures a region along a way (from first to second, pair's frame): what is deeper than its
-/// length is left out.
-pub(crate) fn depths_along(region: &MeasuredRegion, (normal, most): Way) -> Depths {
-    measure(&View { region, normal, most }, true, f64::INFINITY)
-}
-
-/// The largest of [`depths_along`] alone, but for rounding, which is found with less work; or,
-/// where one is at least `enough`, any such.
-pub(crate) fn deepest_along(
-    region: &MeasuredRegion,
-    (normal, most): Way,
-    enough: f64,
-) -> Option<Contact> {
-    measure(&View { region, normal, most }, false, enough).deepest
-}
-
 fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
     let mut depths = Depths { deepest: None, keeps, enough, all: Vec::new() };
     let is_open = |side| {
@@ -156,9 +161,7 @@ fn measure(view: &View, keeps: bool, enough: f64) -> Depths {
 
 struct View<'g, 'a, 'b> {
     region: &'g MeasuredRegion<'a, 'b>,
-    normal: DVec3,
-    /// What is deeper is left out.
-    most: f64,
+    way: Way,
 }
 
 /// A face or edge with the range of its heights.
@@ -216,7 +219,7 @@ impl Depths {
 
 impl View<'_, '_, '_> {
     fn height(&self, p: DVec3) -> f64 {
-        self.normal.dot(p)
+        self.way.normal.dot(p)
     }
 
     /// For each vertex of `side`'s piece the face of the other that it is deepest behind.
@@ -250,7 +253,7 @@ impl View<'_, '_, '_> {
             faces.retain(|f| highest.height - f.low >= floor);
         }
         faces.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
-        let footprints = Footprints::of(self.normal, faces.iter().map(|f| f.what.1.as_slice()));
+        let footprints = Footprints::of(self.way.normal, faces.iter().map(|f| f.what.1.as_slice()));
         let mut over: Vec<u32> = Vec::new();
         for vertex in vertices {
             if depths.is_enough() {
@@ -302,7 +305,7 @@ impl View<'_, '_, '_> {
             }
             let Some(foot) = self.foot(p, triangle) else { continue };
             let depth = vertex.height - sign * self.height(foot);
-            if depth <= best.map_or(0.0, |b| b.0) || depth > self.most {
+            if depth <= best.map_or(0.0, |b| b.0) || depth > self.way.most {
                 continue;
             }
             let off = borders.off_piece(self.region.pair, other, id, foot);
@@ -340,7 +343,8 @@ impl View<'_, '_, '_> {
         second.retain(|g| highest - g.low > floor);
         first.sort_unstable_by(|x, y| y.high.total_cmp(&x.high).then(x.what.0.cmp(&y.what.0)));
         second.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
-        let footprints = Footprints::of(self.normal, second.iter().map(|g| g.what.1.as_slice()));
+        let footprints =
+            Footprints::of(self.way.normal, second.iter().map(|g| g.what.1.as_slice()));
         let mut beside: Vec<u32> = Vec::new();
         for e in &first {
             // Edges are by ascending lows: those before this one are low enough.
@@ -356,7 +360,7 @@ impl View<'_, '_, '_> {
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
                 let depth = self.height(p) - self.height(q);
-                if depth > 0.0 && depth <= self.most {
+                if depth > 0.0 && depth <= self.way.most {
                     let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, depth);
                     depths.offer(contact, keep);
                 }
@@ -384,14 +388,14 @@ impl View<'_, '_, '_> {
         q: DVec3,
         depth: f64,
     ) -> Contact {
-        let normal = if side == Side::First { self.normal } else { -self.normal };
+        let normal = if side == Side::First { self.way.normal } else { -self.way.normal };
         let (id, separation) = ((own, its), -depth);
         side.in_order(Contact { id, point_a: p, point_b: q, normal, separation })
     }
 
     /// Where the line through `p` along the normal meets a triangle.
     fn foot(&self, p: DVec3, [a, b, c]: &[DVec3; 3]) -> Option<DVec3> {
-        let area = |u: DVec3, v: DVec3| self.normal.dot((u - p).cross(v - p));
+        let area = |u: DVec3, v: DVec3| self.way.normal.dot((u - p).cross(v - p));
         let (wa, wb, wc) = (area(*b, *c), area(*c, *a), area(*a, *b));
         let inside = (wa >= 0.0 && wb >= 0.0 && wc >= 0.0) || (wa <= 0.0 && wb <= 0.0 && wc <= 0.0);
         let sum = wa + wb + wc;
@@ -402,12 +406,12 @@ impl View<'_, '_, '_> {
     /// Where two segments cross when seen along the normal.
     fn crossing(&self, e: &[DVec3; 2], g: &[DVec3; 2]) -> Option<(DVec3, DVec3)> {
         let (d, f, r) = (e[1] - e[0], g[1] - g[0], g[0] - e[0]);
-        let denominator = self.normal.dot(d.cross(f));
+        let denominator = self.way.normal.dot(d.cross(f));
         if denominator == 0.0 {
             return None;
         }
-        let s = self.normal.dot(r.cross(f)) / denominator;
-        let t = self.normal.dot(r.cross(d)) / denominator;
+        let s = self.way.normal.dot(r.cross(f)) / denominator;
+        let t = self.way.normal.dot(r.cross(d)) / denominator;
         let within = |x: f64| (0.0..=1.0).contains(&x);
         (within(s) && within(t)).then(|| (e[0] + d * s, g[0] + f * t))
     }
@@ -455,9 +459,9 @@ mod tests {
             for cut in &cut(&pair, &intersection) {
                 let region = MeasuredRegion::of(&pair, &intersection, cut);
                 let normal = DVec3::new(rng.unit(), rng.unit(), rng.unit()).normalize();
+                let largest = -region.measure(Way::along(normal), true).0.separation;
                 let depth = |c: Option<Contact>| c.map_or(0.0, |c| -c.separation);
-                let largest = depth(depths_along(&region, (normal, f64::INFINITY)).deepest);
-                let alone = |enough| depth(deepest_along(&region, (normal, f64::INFINITY), enough));
+                let alone = |enough| depth(region.deepest_along(normal, enough));
                 assert_eq!(alone(f64::INFINITY), largest);
                 assert_eq!(alone(largest.next_up()), largest);
                 let half = alone(0.5 * largest);

@@ -10,7 +10,7 @@ use crate::pieces::cut;
 use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::tally::Tally;
-use crate::way_out::way_out;
+use crate::way_out::{Others, way_out};
 
 /// How two bodies overlap in one region: the least that is needed to lead them out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub(crate) fn overlaps(
         let pieces = cut(pair, intersection);
         let of_region = |pieces| {
             let region = MeasuredRegion::of(pair, intersection, pieces);
-            way_out(pair, &region, None).1
+            way_out(&region, Others::None).0
         };
         pieces.iter().map(of_region).collect()
     };

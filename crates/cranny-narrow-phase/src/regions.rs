@@ -5,7 +5,7 @@ use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Curve, Region, RegionId};
 use crate::contacts::nearer;
-use crate::depth::{MeasuredRegion, depths_along};
+use crate::depth::MeasuredRegion;
 use crate::intersection::{Chains, Intersection, Node, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
@@ -14,7 +14,7 @@ use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 use crate::touch::touch_regions;
-use crate::way_out::{nearest_ways_out, way_out};
+use crate::way_out::{Others, way_out};
 
 /// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
 /// their depths may be off.
@@ -139,9 +139,8 @@ fn closed_region(
     let region = MeasuredRegion::of(pair, intersection, cut);
     let outline = region.outline();
     let is_flat = outline.is_flat() || outline.normal().is_none();
-    let ways = (!is_flat).then(|| nearest_ways_out(pair, &region));
-    let (way, deepest) = way_out(pair, &region, ways.as_deref());
-    let mut contacts = ways.unwrap_or_else(|| depths_along(&region, way).all);
+    let others = if is_flat { Others::Along } else { Others::Nearest };
+    let (deepest, mut contacts) = way_out(&region, others);
     let normal = deepest.normal;
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.

@@ -16,8 +16,8 @@
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
 use crate::answer::{Contact, Feature};
-use crate::depth::{MeasuredRegion, Way, deepest_along};
-use crate::pair::{Pair, Side};
+use crate::depth::{MeasuredRegion, Way};
+use crate::pair::Side;
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::Prepared;
 
@@ -61,45 +61,45 @@ const ROUNDS: usize = 32;
 /// Vertices and faces of a piece that are measured at most; of more, these are evenly spread.
 const MAX_SAMPLES: usize = 256;
 
-/// The way out of a region, and its deepest contact along it, in the pair's frame. `ways` are its
-/// [`nearest_ways_out`], where they are known.
-pub(crate) fn way_out(
-    pair: &Pair,
-    region: &MeasuredRegion,
-    ways: Option<&[Contact]>,
-) -> (Way, Contact) {
-    let own = (own_direction(pair, region), f64::INFINITY);
-    let deepest = region.deepest(own);
-    let shallower = shallower_way(pair, region, &deepest, ways);
-    shallower.map_or((own, deepest), |way| (way, region.deepest(way)))
+/// What of a region is wanted beside its deepest contact.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Others {
+    None,
+    /// Contacts along the way out.
+    Along,
+    /// For each vertex its own nearest way out.
+    Nearest,
+}
+
+/// The deepest contact of a region along its way out, and others, in the pair's frame.
+pub(crate) fn way_out(region: &MeasuredRegion, others: Others) -> (Contact, Vec<Contact>) {
+    let keeps = others == Others::Along;
+    let own = region.measure(Way::along(own_direction(region)), keeps);
+    let nearest = (others == Others::Nearest).then(|| nearest_ways_out(region, &own.0));
+    let shallower = shallower_way(region, &own.0, nearest.as_deref());
+    let (deepest, along) = shallower.map_or(own, |way| region.measure(way, keeps));
+    (deepest, nearest.unwrap_or(along))
 }
 
 /// The direction of the area that the curves enclose; of the least depth where they enclose none.
-fn own_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
+fn own_direction(region: &MeasuredRegion) -> DVec3 {
     region.outline().normal().unwrap_or_else(|| {
-        let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
+        let centers =
+            region.pair.bounds(Side::Second).center() - region.pair.bounds(Side::First).center();
         let toward = centers.try_normalize().unwrap_or(DVec3::Z);
-        least_deep(pair, region, vec![toward], f64::INFINITY, |_, _| true).unwrap_or(toward)
+        least_deep(region, vec![toward], f64::INFINITY, |_, _| true).unwrap_or(toward)
     })
 }
 
 /// A way along which a region parts far sooner than it is deep by its deepest contact `own`: along
 /// the same normal, where that contact reaches over a gap, as from one turn of a thread to another;
 /// only where it does not part so, in another direction.
-fn shallower_way(
-    pair: &Pair,
-    region: &MeasuredRegion,
-    own: &Contact,
-    ways: Option<&[Contact]>,
-) -> Option<Way> {
+fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]>) -> Option<Way> {
     let enough = -own.separation / FAR_DEEPER;
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
     }
-    let mut ways = match ways {
-        Some(known) => local_ways(region, own, known),
-        None => local_ways(region, own, &nearest_ways_out(pair, region)),
-    };
+    let mut ways = local_ways(region, own, ways);
     // What leads all out is no shorter than the longest of their ways.
     if ways.iter().any(|way| way.1 >= enough) {
         return None;
@@ -107,45 +107,46 @@ fn shallower_way(
     if region.has_faces_between(own)
         && let Some(most) = parts_at(region, own.normal, (region.clear(), enough))
     {
-        return Some((own.normal, most));
+        return Some(Way { normal: own.normal, most });
     }
     if least_translation(&ways).length() >= enough {
         return None;
     }
-    ways.extend(grazing_sides(pair, region, own));
+    ways.extend(grazing_sides(region, own));
     let together = least_translation(&ways).try_normalize();
     let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
-    let other = least_deep(pair, region, together.into_iter().collect(), enough, parts);
-    other.map(|n| (n, f64::INFINITY))
+    let other = least_deep(region, together.into_iter().collect(), enough, parts);
+    other.map(Way::along)
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
 /// along some direction.
-pub(crate) fn parts_within(
-    pair: &Pair,
-    region: &MeasuredRegion,
-    own: &Contact,
-    depth: f64,
-) -> bool {
-    let ways = local_ways(region, own, &nearest_ways_out(pair, region));
-    let out = least_translation(&[ways, grazing_sides(pair, region, own)].concat());
+pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -> bool {
+    let ways = local_ways(region, own, None);
+    let out = least_translation(&[ways, grazing_sides(region, own)].concat());
     out.try_normalize().is_some_and(|n| parts_at(region, n, (out.length(), depth)).is_some())
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
 type LocalWay = (DVec3, f64);
 
-/// What leads vertices out. One whose nearest way leads past an edge of the piece got a longer way,
-/// which is left out.
-fn local_ways(region: &MeasuredRegion, own: &Contact, ways: &[Contact]) -> Vec<LocalWay> {
-    let ways = ways.iter().filter(|way| way.separation > own.separation);
+/// What leads vertices out, by their nearest ways, if these are known. A vertex whose nearest way
+/// leads past an edge of the piece got a longer one, which is left out.
+fn local_ways(
+    region: &MeasuredRegion,
+    own: &Contact,
+    nearest: Option<&[Contact]>,
+) -> Vec<LocalWay> {
+    let found = nearest.is_none().then(|| nearest_ways_out(region, own));
+    let ways = nearest.or(found.as_deref()).into_iter().flatten();
+    let ways = ways.filter(|way| way.separation > own.separation);
     ways.map(|way| (way.normal, region.clear() - way.separation)).collect()
 }
 
 /// Whether most faces that do not look along a region's direction graze one of the other piece.
 /// What overlaps there by a hair reaches as far as these sides do, and nothing has dug in so deep.
-pub(crate) fn mostly_grazes(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> bool {
-    let [first, second] = sides(pair, region, own);
+pub(crate) fn mostly_grazes(region: &MeasuredRegion, own: &Contact) -> bool {
+    let [first, second] = sides(region, own);
     let grazes = |of: &[Plane], others: &[Plane]| {
         of.iter().filter(|face| others.iter().any(|its| hair(face, its, own).is_some())).count()
     };
@@ -155,8 +156,8 @@ pub(crate) fn mostly_grazes(pair: &Pair, region: &MeasuredRegion, own: &Contact)
 
 /// Normals of the first body's faces that graze a face of the other piece, and by how much they
 /// lie behind it: they lead out of no vertex, and a region is as deep along them as they are high.
-fn grazing_sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
-    let [first, second] = sides(pair, region, own);
+fn grazing_sides(region: &MeasuredRegion, own: &Contact) -> Vec<LocalWay> {
+    let [first, second] = sides(region, own);
     let deepest = |face: &Plane| {
         let hairs = second.iter().filter_map(|its| hair(face, its, own));
         Some((face.0, region.clear() + hairs.reduce(f64::max)?))
@@ -168,11 +169,11 @@ fn grazing_sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> Vec<Loc
 type Plane = (DVec3, [DVec3; 3]);
 
 /// Of each piece the faces that do not look along the normal of `own`, evenly spread.
-fn sides(pair: &Pair, region: &MeasuredRegion, own: &Contact) -> [Vec<Plane>; 2] {
+fn sides(region: &MeasuredRegion, own: &Contact) -> [Vec<Plane>; 2] {
     Side::BOTH.map(|side| {
         let faces = region.cut.pieces[side.index()].faces.iter();
         let faces = faces.zip(&region.triangles[side.index()]);
-        let planes = faces.map(|(&f, corners)| (pair.normal(side, f), *corners));
+        let planes = faces.map(|(&f, corners)| (region.pair.normal(side, f), *corners));
         let planes: Vec<Plane> =
             planes.filter(|(n, _)| n.dot(own.normal).abs() < OPPOSITE).collect();
         let stride = planes.len().div_ceil(MAX_SAMPLES).max(1);
@@ -197,7 +198,6 @@ fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
 /// Of given directions and the pieces' own face normals, the one along which the least translation
 /// parts the pieces, if that is less than `enough` and `counts`.
 fn least_deep(
-    pair: &Pair,
     region: &MeasuredRegion,
     given: Vec<DVec3>,
     enough: f64,
@@ -210,19 +210,19 @@ fn least_deep(
         faces.sort_unstable();
         let stride = faces.len().div_ceil(MAX_DIRECTIONS).max(1);
         for &f in faces.iter().step_by(stride) {
-            let n = sign * pair.normal(side, f);
+            let n = sign * region.pair.normal(side, f);
             if n != DVec3::ZERO && candidates.iter().all(|c| c.dot(n) < ALIKE) {
                 candidates.push(n);
             }
         }
     }
     // Rays do not measure a piece along a direction that none of its faces looks along.
-    if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
-        candidates.retain(|&n| face_each_other(pair, region, n));
+    if candidates.iter().any(|&n| face_each_other(region, n)) {
+        candidates.retain(|&n| face_each_other(region, n));
     }
     let (mut least, mut best) = (enough, None);
     for n in candidates {
-        let Some(deepest) = deepest_along(region, (n, f64::INFINITY), least) else { continue };
+        let Some(deepest) = region.deepest_along(n, least) else { continue };
         let depth = -deepest.separation;
         if depth < least && counts(n, depth) {
             (least, best) = (depth, Some(n));
@@ -259,10 +259,10 @@ fn widest(region: &MeasuredRegion) -> usize {
 
 /// Whether some face of the first body's piece looks along `n`, and some of the second's against
 /// it, within 60 degrees.
-fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
+fn face_each_other(region: &MeasuredRegion, n: DVec3) -> bool {
     Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
         let faces = &region.cut.pieces[side.index()].faces;
-        faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
+        faces.iter().any(|&f| sign * region.pair.normal(side, f).dot(n) >= LOOKS_ALONG)
     })
 }
 
@@ -281,48 +281,44 @@ fn least_translation(ways: &[LocalWay]) -> DVec3 {
     sum
 }
 
-/// For each vertex inside the other body the nearest point of the other's piece: the way out.
-pub(crate) fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
+/// For each vertex inside the other body the nearest foot on the other's piece: the way out, if it
+/// is no longer than that of `own`, a deepest contact.
+fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
+    let most = region.pair.length_error() - own.separation;
     let mut contacts = Vec::new();
     for side in Side::BOTH {
         let vertices = &region.cut.pieces[side.index()].vertices;
-        let other = side.other().index();
-        let faces = &region.cut.pieces[other].faces;
-        let triangles = &region.triangles[other];
-        let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
+        let other = side.other().index();
+        let faces = region.cut.pieces[other].faces.iter().zip(&region.triangles[other]);
+        let standing: Vec<Standing> = faces.map(|(&f, corners)| standing(f, corners)).collect();
         // Neighbours have their ways out through neighbours: the last one bounds the next.
-        let mut last = 0;
+        let mut last: Option<&Standing> = None;
         for &v in vertices.iter().step_by(stride) {
-            let p = pair.position(side, v);
-            let mut nearest: Option<(FaceId, DVec3)> = None;
-            let (mut least, mut found) = (f64::INFINITY, last);
-            let mut reach = f64::INFINITY;
-            for i in std::iter::once(last).chain(0..faces.len()) {
-                let Some((center, radius, triangle)) = standing.get(i) else { break };
+            let p = region.pair.position(side, v);
+            let (mut least, mut reach) = (most * most, most);
+            let mut nearest: Option<(&Standing, DVec3)> = None;
+            last.into_iter().chain(&standing).for_each(|face| {
+                let (id, center, radius, triangle) = face;
                 let touching = reach + radius;
                 if (*center - p).length_squared() > touching * touching {
-                    continue;
+                    return;
                 }
-                let Some(foot) = triangle.foot(p) else { continue };
+                let Some(foot) = triangle.foot(p) else { return };
                 let squared = (foot - p).length_squared();
-                let nearer = squared < least
-                    || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
-                if nearer {
-                    (nearest, least, found) = (Some((faces[i], foot)), squared, i);
-                    reach = squared.sqrt() + pair.length_error();
+                if squared < least || (squared <= least && nearest.is_none_or(|(f, _)| *id < f.0)) {
+                    (nearest, least) = (Some((face, foot)), squared);
+                    reach = squared.sqrt() + region.pair.length_error();
                 }
-            }
-            last = found;
+            });
             let Some((face, q)) = nearest else { continue };
-            let outward = pair.normal(side.other(), face);
-            let depth = (q - p).length();
+            last = Some(face);
             let contact = Contact {
-                id: (Feature::Vertex(v), Feature::Face(face)),
+                id: (Feature::Vertex(v), Feature::Face(face.0)),
                 point_a: p,
                 point_b: q,
-                normal: -outward,
-                separation: -depth,
+                normal: -region.pair.normal(side.other(), face.0),
+                separation: -(q - p).length(),
             };
             contacts.push(side.in_order(contact));
         }
@@ -330,9 +326,12 @@ pub(crate) fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Cont
     contacts
 }
 
-/// A triangle with the ball around it.
-fn prepared(corners: &[DVec3; 3]) -> (DVec3, f64, Prepared) {
+/// A face with the ball around it, and what its foot takes.
+type Standing = (FaceId, DVec3, f64, Prepared);
+
+fn standing(face: FaceId, corners: &[DVec3; 3]) -> Standing {
     let center = (corners[0] + corners[1] + corners[2]) / 3.0;
     let squared = corners.map(|p| (p - center).length_squared());
-    (center, squared[0].max(squared[1]).max(squared[2]).sqrt(), Prepared::of(corners))
+    let radius = squared[0].max(squared[1]).max(squared[2]).sqrt();
+    (face, center, radius, Prepared::of(corners))
 }

@@ -15,7 +15,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
-use crate::depth::{MeasuredRegion, depths_along, range};
+use crate::depth::{MeasuredRegion, Way, range};
 use crate::intersection::{Intersection, intersect};
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
@@ -64,15 +64,15 @@ pub(super) fn contacts_of_walls(
             continue;
         }
         let region = MeasuredRegion::of(pair, &intersection, pieces);
-        let own = region.deepest((normal, f64::INFINITY));
+        let own = region.measure(Way::along(normal), false).0;
         if -own.separation <= shallow
             || region.has_faces_between(&own)
-            || mostly_grazes(pair, &region, &own)
-            || parts_within(pair, &region, &own, shallow)
+            || mostly_grazes(&region, &own)
+            || parts_within(&region, &own, shallow)
         {
             continue;
         }
-        let mut all = depths_along(&region, (normal, f64::INFINITY)).all;
+        let mut all = region.measure(Way::along(normal), true).1;
         all.retain(|contact| contact.id != own.id);
         all.push(own);
         found.extend(reduce(all));
