@@ -100,8 +100,8 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
     }
 
     /// The deepest contact along a way, of depth 0, on the curves, where there is none; and, if
-    /// `keeps`, one for every vertex and crossing that is deep there. Without them it is found with
-    /// less work, and equal but for rounding.
+    /// `keeps`, one for every inner vertex that is deep there and for crossing edges while they are
+    /// few. Without these it takes less work; of equally deep contacts it may be another one.
     pub(crate) fn measure(&self, way: Way, keeps: bool) -> (Contact, Vec<Contact>) {
         let Depths { deepest, all, .. } =
             measure(&View { region: self, way }, keeps, f64::INFINITY);

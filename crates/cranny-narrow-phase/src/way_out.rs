@@ -67,7 +67,7 @@ pub(crate) enum Others {
     None,
     /// Contacts along the way out.
     Along,
-    /// For each vertex its own nearest way out.
+    /// For inner vertices, or some of many, their own nearest ways out.
     Nearest,
 }
 
@@ -130,8 +130,8 @@ pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -
 /// A direction in which a vertex or a side gets out, and how far that is.
 type LocalWay = (DVec3, f64);
 
-/// What leads vertices out, by their nearest ways, if these are known. A vertex whose nearest way
-/// leads past an edge of the piece got a longer one, which is left out.
+/// What leads vertices out: their nearest ways, which are sought where they are not given. A vertex
+/// whose nearest way leads past an edge of the piece got a longer one, which is left out.
 fn local_ways(
     region: &MeasuredRegion,
     own: &Contact,
@@ -281,8 +281,8 @@ fn least_translation(ways: &[LocalWay]) -> DVec3 {
     sum
 }
 
-/// For each vertex inside the other body the nearest foot on the other's piece: the way out, if it
-/// is no longer than that of `own`, a deepest contact.
+/// For vertices inside the other body the nearest foot on the other's piece: the way out. One longer
+/// than the depth of `own`, a deepest contact, is left out: no caller counts it.
 fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
     let most = region.pair.length_error() - own.separation;
     let mut contacts = Vec::new();
@@ -291,7 +291,7 @@ fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
         let other = side.other().index();
         let faces = region.cut.pieces[other].faces.iter().zip(&region.triangles[other]);
-        let standing: Vec<Standing> = faces.map(|(&f, corners)| standing(f, corners)).collect();
+        let standing: Vec<Standing> = faces.map(|(&f, corners)| in_ball(f, corners)).collect();
         // Neighbours have their ways out through neighbours: the last one bounds the next.
         let mut last: Option<&Standing> = None;
         for &v in vertices.iter().step_by(stride) {
@@ -326,10 +326,10 @@ fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
     contacts
 }
 
-/// A face with the ball around it, and what its foot takes.
+/// A face, the middle and the radius of a ball around it, and its planes.
 type Standing = (FaceId, DVec3, f64, Prepared);
 
-fn standing(face: FaceId, corners: &[DVec3; 3]) -> Standing {
+fn in_ball(face: FaceId, corners: &[DVec3; 3]) -> Standing {
     let center = (corners[0] + corners[1] + corners[2]) / 3.0;
     let squared = corners.map(|p| (p - center).length_squared());
     let radius = squared[0].max(squared[1]).max(squared[2]).sqrt();

@@ -26,16 +26,26 @@ pub(super) fn scaled(a: &Twist, by: f64) -> Twist {
 /// multiplier after the other, each at its best).
 pub(super) fn nearest_allowed(wanted: &Twist, constraints: &[Constraint]) -> Twist {
     let mut motion = *wanted;
+    let squares: Vec<f64> = constraints.iter().map(|c| dot(&c.along, &c.along)).collect();
     let mut multipliers = vec![0.0; constraints.len()];
     for _ in 0..SWEEPS {
-        for (multiplier, constraint) in multipliers.iter_mut().zip(constraints) {
-            let square = dot(&constraint.along, &constraint.along);
+        let mut changed = false;
+        for ((multiplier, constraint), square) in
+            multipliers.iter_mut().zip(constraints).zip(&squares)
+        {
             let lacking = (constraint.least - dot(&constraint.along, &motion)) / square;
             let change = lacking.max(-*multiplier);
+            if change == 0.0 {
+                continue;
+            }
+            changed = true;
             *multiplier += change;
             for (x, along) in motion.iter_mut().zip(constraint.along) {
                 *x += change * along;
             }
+        }
+        if !changed {
+            break;
         }
     }
     motion
