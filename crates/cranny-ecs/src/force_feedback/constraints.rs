@@ -14,8 +14,8 @@ pub(super) struct Constraint {
     pub(super) least: f64,
 }
 
-pub(super) fn dot(a: &Twist, b: &Twist) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+pub(super) fn dot([a, b, c, d, e, f]: &Twist, [u, v, w, x, y, z]: &Twist) -> f64 {
+    a * u + b * v + c * w + d * x + e * y + f * z
 }
 
 pub(super) fn scaled(a: &Twist, by: f64) -> Twist {
