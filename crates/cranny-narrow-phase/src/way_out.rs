@@ -281,8 +281,8 @@ fn least_translation(ways: &[LocalWay]) -> DVec3 {
     sum
 }
 
-/// For vertices inside the other body the nearest foot on the other's piece: the way out. One longer
-/// than the depth of `own`, a deepest contact, is left out: no caller counts it.
+/// For vertices inside the other body the nearest foot on the other's piece: the way out. One that
+/// is longer than the depth of `own`, a deepest contact, is left out: no caller counts it.
 fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
     let most = region.pair.length_error() - own.separation;
     let mut contacts = Vec::new();
