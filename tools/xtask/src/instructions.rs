@@ -66,6 +66,13 @@ pub(crate) fn run(root: &Path, update: bool) -> Result<bool, String> {
 /// Those of `tools/test`: with others nearly every crate would be compiled again.
 const FEATURES: &str = "cranny/scene,cranny/rapier,cranny/ecs,cranny/record,cranny/render";
 
+const BENCH: &str = "cranny-bench";
+
+/// A test, which cargo builds beside the program: where none is built, the features that development
+/// dependencies turn on elsewhere are left out, and rapier, bevy and what is above them would be
+/// compiled again.
+const TEST: &str = "triangles";
+
 /// The program that does the work, built as `tools/test` builds its tests: with their features, and
 /// not incrementally, since that divides crates into other parts, and the same work takes up to a
 /// fifth more.
@@ -75,7 +82,7 @@ fn built(root: &Path) -> Result<PathBuf, String> {
         .current_dir(root)
         .env("CARGO_INCREMENTAL", "0")
         .args(["build", "--workspace", "--exclude", "cranny-rerun", "--features", FEATURES])
-        .args(["--bin", "cranny-bench", "--message-format", "json"])
+        .args(["--bin", BENCH, "--test", TEST, "--message-format", "json"])
         .output()
         .map_err(|e| format!("cannot run cargo build: {e}"))?;
     if !output.status.success() {
@@ -85,8 +92,9 @@ fn built(root: &Path) -> Result<PathBuf, String> {
     String::from_utf8_lossy(&output.stdout)
         .lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter(|message| message["target"]["name"] == BENCH)
         .find_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?)))
-        .ok_or_else(|| "cargo build names no cranny-bench".to_owned())
+        .ok_or_else(|| format!("cargo build names no {BENCH}"))
 }
 
 /// All pieces of work, two at a time.

@@ -1,8 +1,12 @@
 //! The motion nearest to a wanted one that linear constraints allow.
 
-/// How often the constraints are gone through. More: a tick takes longer; fewer: in a narrow wedge
-/// the motion found still enters both flanks, and is then shortened.
-const SWEEPS: usize = 128;
+/// How often all constraints are gone through. More: a tick takes longer; fewer: what a motion meets
+/// only after the others have turned it is not seen.
+const SWEEPS: usize = 16;
+
+/// How often those that hold, before all are gone through again. More: a tick takes longer; fewer:
+/// in a narrow wedge the motion found still enters both flanks, and is then shortened.
+const SWEEPS_OF_HELD: usize = 16;
 
 /// A motion: a translation, and a rotation vector times a length.
 pub(super) type Twist = [f64; 6];
@@ -23,37 +27,57 @@ pub(super) fn scaled(a: &Twist, by: f64) -> Twist {
 }
 
 /// The motion of least distance to `wanted` that the constraints allow (Hildreth, 1957: one
-/// multiplier after the other, each at its best).
+/// multiplier after the other, each at its best). Of many constraints few hold: those are gone
+/// through most.
 pub(super) fn nearest_allowed(wanted: &Twist, constraints: &[Constraint]) -> Twist {
     let mut motion = *wanted;
-    let squares: Vec<f64> = constraints.iter().map(|c| dot(&c.along, &c.along)).collect();
-    let mut multipliers = vec![0.0; constraints.len()];
+    let mut all: Vec<Multiplier<'_>> = constraints.iter().map(Multiplier::of).collect();
     for _ in 0..SWEEPS {
-        let mut changed = false;
-        for ((multiplier, constraint), square) in
-            multipliers.iter_mut().zip(constraints).zip(&squares)
-        {
-            let lacking = (constraint.least - dot(&constraint.along, &motion)) / square;
-            let change = lacking.max(-*multiplier);
-            if change == 0.0 {
-                continue;
-            }
-            changed = true;
-            *multiplier += change;
-            for (x, along) in motion.iter_mut().zip(constraint.along) {
-                *x += change * along;
-            }
-        }
-        if !changed {
+        if !all.iter_mut().fold(false, |changed, m| m.improve(&mut motion) || changed) {
             break;
+        }
+        let mut held: Vec<&mut Multiplier<'_>> = all.iter_mut().filter(|m| m.value > 0.0).collect();
+        for _ in 0..SWEEPS_OF_HELD {
+            if !held.iter_mut().fold(false, |changed, m| m.improve(&mut motion) || changed) {
+                break;
+            }
         }
     }
     motion
 }
 
+/// By how much a constraint turns the motion aside.
+struct Multiplier<'a> {
+    constraint: &'a Constraint,
+    square: f64,
+    /// Not negative.
+    value: f64,
+}
+
+impl<'a> Multiplier<'a> {
+    fn of(constraint: &'a Constraint) -> Self {
+        Self { constraint, square: dot(&constraint.along, &constraint.along), value: 0.0 }
+    }
+
+    /// Its best value, where the others stay; whether it is another one.
+    fn improve(&mut self, motion: &mut Twist) -> bool {
+        let Constraint { along, least } = self.constraint;
+        let change = ((least - dot(along, motion)) / self.square).max(-self.value);
+        if change == 0.0 {
+            return false;
+        }
+        self.value += change;
+        for (x, along) in motion.iter_mut().zip(along) {
+            *x += change * along;
+        }
+        true
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_testkit::Rng;
 
     fn upward(along: [f64; 3], least: f64) -> Constraint {
         let [x, y, z] = along;
@@ -87,5 +111,42 @@ mod tests {
     fn what_has_come_in_is_led_out() {
         let still = [0.0; 6];
         assert!(close(nearest_allowed(&still, &[upward([0.0, 0.0, 1.0], 0.25)]), [0.0, 0.0, 0.25]));
+    }
+
+    /// All constraints gone through one after the other.
+    fn plainly(wanted: &Twist, constraints: &[Constraint], sweeps: u32) -> Twist {
+        let mut motion = *wanted;
+        let mut all: Vec<Multiplier<'_>> = constraints.iter().map(Multiplier::of).collect();
+        for _ in 0..sweeps {
+            for multiplier in &mut all {
+                multiplier.improve(&mut motion);
+            }
+        }
+        motion
+    }
+
+    /// Contacts all around a body, of which few hold: as good as 128 sweeps of all, on the mean.
+    #[test]
+    fn going_through_those_that_hold_comes_nearer_than_through_all() {
+        let mut rng = Rng::new(7);
+        let (mut off, mut off_plainly, mut turned_aside) = (0.0, 0.0, 0);
+        for _ in 0..30 {
+            let mut twist = |scale: f64| -> Twist { std::array::from_fn(|_| scale * rng.unit()) };
+            let (wanted, allowed) = (twist(2.0), twist(0.5));
+            let constraints: Vec<Constraint> = (0..60)
+                .map(|_| twist(1.0))
+                .map(|along| Constraint { along, least: dot(&along, &allowed) - 0.1 })
+                .collect();
+            let best = plainly(&wanted, &constraints, 20_000);
+            let from_best = |found: Twist| {
+                let off: Twist = std::array::from_fn(|i| found[i] - best[i]);
+                dot(&off, &off).sqrt()
+            };
+            off += from_best(nearest_allowed(&wanted, &constraints));
+            off_plainly += from_best(plainly(&wanted, &constraints, 128));
+            turned_aside += u32::from(best != wanted);
+        }
+        assert!(off < off_plainly, "{off} {off_plainly}");
+        assert!(off < 0.3 && turned_aside > 25, "{off} {turned_aside}");
     }
 }
