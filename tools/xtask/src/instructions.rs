@@ -68,9 +68,8 @@ const FEATURES: &str = "cranny/scene,cranny/rapier,cranny/ecs,cranny/record,cran
 
 const BENCH: &str = "cranny-bench";
 
-/// A test, which cargo builds beside the program: where none is built, the features that development
-/// dependencies turn on elsewhere are left out, and rapier, bevy and what is above them would be
-/// compiled again.
+/// A test, which cargo builds beside the program: without one, cargo leaves out the features that
+/// development dependencies turn on, and rapier, bevy and what is above them are compiled again.
 const TEST: &str = "triangles";
 
 /// The program that does the work, built as `tools/test` builds its tests: with their features, and

@@ -1,7 +1,7 @@
 //! The motion nearest to a wanted one that linear constraints allow.
 
-/// How often all constraints are gone through. More: a tick takes longer; fewer: what a motion meets
-/// only after the others have turned it is not seen.
+/// How often all constraints are gone through. More: a tick takes longer; fewer: what a motion
+/// meets only after the others have turned it is not seen.
 const SWEEPS: usize = 16;
 
 /// How often those that hold, before all are gone through again. More: a tick takes longer; fewer:
