@@ -33,17 +33,29 @@ pub(super) fn nearest_allowed(wanted: &Twist, constraints: &[Constraint]) -> Twi
     let mut motion = *wanted;
     let mut all: Vec<Multiplier<'_>> = constraints.iter().map(Multiplier::of).collect();
     for _ in 0..SWEEPS {
-        if !all.iter_mut().fold(false, |changed, m| m.improve(&mut motion) || changed) {
+        if !improve(&mut all, &mut motion) {
             break;
         }
-        let mut held: Vec<&mut Multiplier<'_>> = all.iter_mut().filter(|m| m.value > 0.0).collect();
+        let mut held: Vec<_> = all.iter_mut().filter(|multiplier| multiplier.value > 0.0).collect();
         for _ in 0..SWEEPS_OF_HELD {
-            if !held.iter_mut().fold(false, |changed, m| m.improve(&mut motion) || changed) {
+            if !improve(held.iter_mut().map(|multiplier| &mut **multiplier), &mut motion) {
                 break;
             }
         }
     }
     motion
+}
+
+/// Each multiplier at its best, one after the other; whether any changed.
+fn improve<'m, 'c: 'm>(
+    multipliers: impl IntoIterator<Item = &'m mut Multiplier<'c>>,
+    motion: &mut Twist,
+) -> bool {
+    let mut changed = false;
+    for multiplier in multipliers {
+        changed |= multiplier.improve(motion);
+    }
+    changed
 }
 
 /// By how much a constraint turns the motion aside.
