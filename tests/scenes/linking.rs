@@ -42,7 +42,7 @@ pub(crate) fn circle_distance(a: &Pose, b: &Pose, radius: f64) -> f64 {
 }
 
 #[test]
-fn links_are_told_from_neighbours() {
+fn links_and_neighbours_differ() {
     let upright = Pose {
         rotation: cranny_exact::DQuat::from_xyzw(0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()),
         translation: DVec3::X,

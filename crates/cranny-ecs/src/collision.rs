@@ -65,8 +65,8 @@ impl CollisionContact {
 
 /// Who is who in a report about two bodies, which are its fields `body` and `other`.
 macro_rules! two_bodies {
-    ($($told:ty),+) => {$(
-        impl $told {
+    ($($event:ty),+) => {$(
+        impl $event {
             /// Whether an entity is one of the two.
             #[must_use]
             pub fn involves(&self, entity: Entity) -> bool {

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn links_are_told_from_neighbours() {
+    fn links_and_neighbours_differ() {
         let upright = pose(0.25 * TAU * DVec3::X, DVec3::X);
         let number = |other: &Pose| linking_number([&Pose::IDENTITY, other], [1.0, 1.0]);
         assert_eq!(number(&upright).abs(), 1);

@@ -307,7 +307,7 @@ fn asked_by(effect: &str, table: &EffectTable, bodies: &Bodies) -> Vec<String> {
 }
 
 fn read_by(readers: &ContactReaders) -> Vec<String> {
-    readers.iter().map(|(name, fields)| told(name, fields.names())).collect()
+    readers.iter().map(|(name, fields)| reads_of(name, fields.names())).collect()
 }
 
 /// What is computed of a pair for an effect other than `Contacts`, whose readers say.
@@ -352,7 +352,7 @@ fn effect_read_by(name: &str, table: &EffectTable, readers: &ContactReaders) -> 
 }
 
 /// "A reads b, c".
-fn told(reader: &str, fields: impl Iterator<Item = &'static str>) -> String {
+fn reads_of(reader: &str, fields: impl Iterator<Item = &'static str>) -> String {
     format!("{reader} reads {}", fields.collect::<Vec<_>>().join(", "))
 }
 
@@ -517,10 +517,12 @@ fn group_of(
         if kind == EffectKind::Contacts {
             let all = readers.iter_of_pair(a, b);
             fields.extend(all.fold(ContactFields::NONE, |all, (_, read)| all.join(read)).names());
-            reads.extend(readers.iter_of_pair(a, b).map(|(name, read)| told(name, read.names())));
+            reads.extend(
+                readers.iter_of_pair(a, b).map(|(name, read)| reads_of(name, read.names())),
+            );
         } else {
             fields.extend(fields_of(kind));
-            reads.push(told(kind.name(), fields_of(kind).iter().copied()));
+            reads.push(reads_of(kind.name(), fields_of(kind).iter().copied()));
         }
         let smooth = exact_solver && is_smooth(bodies, [a, b]);
         effects.push(with_parameters(kind, table, [a, b], smooth));

@@ -33,7 +33,7 @@ pub enum RerunError {
         path: PathBuf,
     },
     /// Rerun's library refused something.
-    #[error("{what} cannot be told to Rerun: {source}")]
+    #[error("{what} cannot be sent to Rerun: {source}")]
     Stream {
         /// What was being written.
         what: String,

@@ -165,9 +165,9 @@ fn numbers_words_and_pictures_are_there() {
     assert_eq!((log.len(), log[0].0, log[0].1[0].as_str()), (1, at(last.0, STEPS - 1), "swung"));
     let events: Vec<_> = recording.events().unwrap();
     let happened: usize = events.iter().map(|(_, message)| message.events.len()).sum();
-    let told = lines("/events");
-    assert!(happened > 1 && told.len() == happened, "{happened}");
-    assert_eq!(told[0].1[0].as_str(), "ring and bob begin to touch");
+    let shown = lines("/events");
+    assert!(happened > 1 && shown.len() == happened, "{happened}");
+    assert_eq!(shown[0].1[0].as_str(), "ring and bob begin to touch");
     let about: Vec<Row<components::Text>> = rrd.rows("/about", &TextDocument::descriptor_text());
     assert!(about[0].1[0].contains("| scene | pendulum |"), "{about:?}");
     let pictures: Vec<Row<components::Blob>> =

@@ -69,8 +69,8 @@ mod tests {
         }
         fs::write(&path, "ü").unwrap();
         assert_eq!(read_text(&path).unwrap(), "ü");
-        let folder_is_none = remedy(&read_text(folder.path()).unwrap_err());
-        assert_eq!(folder_is_none, "It is a folder: name a file in it");
+        let of_a_folder = remedy(&read_text(folder.path()).unwrap_err());
+        assert_eq!(of_a_folder, "It is a folder: name a file in it");
         let nothing = remedy(&read_text(&folder.path().join("b.ron")).unwrap_err());
         assert_eq!(nothing, "Check the path and its permissions");
     }

@@ -92,16 +92,16 @@ fn regions_that_merge_and_split_are_events() {
     let over = |y: f64| Pose::at(DVec3::new(1.3, y + 0.5, 1.1));
     let upper = BodySpec { pose: over(2.5), ..BodySpec::new("plate", plate) };
     let upper = world.insert(upper).unwrap();
-    let mut told = Vec::new();
+    let mut kinds = Vec::new();
     for y in [2.5, 1.9, 1.5, 1.5, 0.9, 0.8, 1.4, 1.45, 2.5] {
         world.set_pose(upper, over(y)).unwrap();
         let report = step(&mut world);
         assert!(report.events.iter().all(|event| (event.a, event.b) == (lower, upper)));
-        told.push(report.events.iter().map(|event| event.kind).collect::<Vec<_>>());
+        kinds.push(report.events.iter().map(|event| event.kind).collect::<Vec<_>>());
     }
     // The one that shares most pairs of faces with the whole goes on.
-    let [PairEventKind::RegionMerged { region, gone }] = told[4][..] else {
-        panic!("{told:?}");
+    let [PairEventKind::RegionMerged { region, gone }] = kinds[4][..] else {
+        panic!("{kinds:?}");
     };
     assert!([[RegionId(0), RegionId(1)], [RegionId(1), RegionId(0)]].contains(&[region, gone]));
     let merged = PairEventKind::RegionMerged { region, gone };
@@ -118,7 +118,7 @@ fn regions_that_merge_and_split_are_events() {
         vec![],
         vec![ended],
     ];
-    assert_eq!(told, expected);
+    assert_eq!(kinds, expected);
 }
 
 fn answered(report: &StepReport) -> Vec<(u32, u32)> {
@@ -173,7 +173,7 @@ fn removing_a_body_ends_what_it_touched_and_frees_its_name_only() {
     world.exclude_pair(ids[0], ids[1]).unwrap();
     let removed = world.remove(ids[1]).unwrap();
     assert_eq!(removed.name(), "1");
-    assert_eq!(world.name(ids[1]), Some("1"), "told until its end was told");
+    assert_eq!(world.name(ids[1]), Some("1"), "named until its end is reported");
     let again = world.insert(cube("1", 0.75)).unwrap();
     assert!(again > ids[2], "ids are never used again");
     let report = step(&mut world);
@@ -388,7 +388,7 @@ fn fresh(a: Pose, b: Pose, demand: Demand) -> Answer {
 }
 
 #[test]
-fn a_supplied_answer_is_told_once_and_not_queried() {
+fn a_supplied_answer_is_reported_once_and_not_queried() {
     let (mut world, ids) = row(&[Effect::Response, Effect::TRIGGER], &[0.0, 0.75]);
     let demand = Demand::Regions { margin: 0.0 };
     // Told by the solver in its own order: the second body as A.
@@ -397,9 +397,9 @@ fn a_supplied_answer_is_told_once_and_not_queried() {
     let report = step(&mut world);
     assert_eq!((report.stats.supplied_pairs, report.stats.queried_pairs), (1, 0));
     assert_eq!(report.events, [began(ids[0], ids[1])]);
-    let told = &report.answers[0];
-    assert_eq!((told.a, told.b), (ids[0], ids[1]));
-    let (own, theirs) = (&told.answer.regions[0], &answer.regions[0]);
+    let supplied = &report.answers[0];
+    assert_eq!((supplied.a, supplied.b), (ids[0], ids[1]));
+    let (own, theirs) = (&supplied.answer.regions[0], &answer.regions[0]);
     assert_eq!(own.normal, -theirs.normal);
     assert_eq!(own.deepest.point_a, theirs.deepest.point_b);
     assert_eq!(own.deepest.id, (theirs.deepest.id.1, theirs.deepest.id.0));
@@ -445,12 +445,12 @@ fn bad_calls_are_named_and_change_nothing() {
     assert!(matches!(world.set_pose(stranger, at(0.0)), Err(WorldError::UnknownBody { .. })));
     let after = step(&mut world);
     // What memory saves is history, not the answer.
-    let told = |report: &StepReport| {
+    let without_counters = |report: &StepReport| {
         let mut answers = report.answers.clone();
-        answers.iter_mut().for_each(|told| told.answer.counters = Counters::default());
+        answers.iter_mut().for_each(|pair| pair.answer.counters = Counters::default());
         answers
     };
-    assert_eq!(told(&after), told(&before));
+    assert_eq!(without_counters(&after), without_counters(&before));
     assert!(after.events.is_empty());
 }
 

@@ -43,12 +43,12 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
     let mut frames = 0;
     if let Some(out) = &args.rerun {
         check_file(out)?;
-        let told = convert(&args.recording, out)?;
-        let bytes = told.bytes.unwrap_or_default();
+        let converted = convert(&args.recording, out)?;
+        let bytes = converted.bytes.unwrap_or_default();
         lines.push(format!("written    {} ({:.1} MB)", out.display(), bytes as f64 / 1e6));
         line["out"] = out.display().to_string().into();
         line["bytes"] = bytes.into();
-        frames = told.frames;
+        frames = converted.frames;
     }
     if let Some(url) = &args.rerun_connect {
         check_feature("--rerun-connect")?;

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn more_is_wrong_and_less_is_told() {
+    fn more_is_wrong_and_less_is_noted() {
         let kept = figures(&[("a", 1_000), ("b", 1_000), ("c", 1_000), ("gone", 1)]);
         let now = figures(&[("a", 1_029), ("b", 1_031), ("c", 900), ("new", 5)]);
         let Verdict { wrong, notes } = compared(&kept, &now);

@@ -425,7 +425,7 @@ fn bare(effects: &[Effect], kinds: &[EffectKind], apart: f32) -> App {
 fn steps_allocate_nothing_where_nothing_is_asked_or_found() {
     assert_eq!(allocations(&mut bare(&[], &[], 0.25)), 0, "no effect");
     let found = allocations(&mut bare(&[Effect::TRIGGER], &[], 0.25));
-    assert!(found > 0, "what is found is told in lists");
+    assert!(found > 0, "what is found is listed");
     for effect in [Effect::TRIGGER, PROXIMITY, CONTACTS, Effect::Penetration] {
         let count = allocations(&mut bare(&[effect], &[], 9.0));
         assert_eq!(count, 0, "{} that finds nothing", effect.name());

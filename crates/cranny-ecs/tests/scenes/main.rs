@@ -1,4 +1,4 @@
-//! Whole scenes through the app: what exists, what is told, what is written.
+//! Whole scenes through the app: what exists, what is reported, what is written.
 
 mod absence;
 mod build;

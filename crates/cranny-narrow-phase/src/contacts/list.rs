@@ -255,20 +255,20 @@ impl ContactMemory {
         }
     }
 
-    /// Calls `told` with each pair of patches that has candidates.
+    /// Calls `each` with each pair of patches that has candidates.
     pub(super) fn each_group<T: Tally>(
         &mut self,
         pair: &Pair,
         wanted: &Wanted,
         counters: &mut T,
-        mut told: impl FnMut(&mut Group<T>),
+        mut each: impl FnMut(&mut Group<T>),
     ) {
         let unit = pair.model(Side::Second).clusters().unit();
         let Self { candidates, ranges, moved, .. } = self;
         for range in ranges {
             let list = &candidates[range.start as usize..range.end as usize];
             let mut group = Group { pair, list, range, unit, moved: *moved, wanted, counters };
-            told(&mut group);
+            each(&mut group);
         }
     }
 }

@@ -258,13 +258,13 @@ const QUIET: [f64; 2] = [0.15, 0.05];
 fn few_contacts_do_what_all_can_and_stay_the_same_as_bodies_slide() {
     for scene in scenes() {
         let seen = Seen::of(&scene);
-        let told = format!("{}: {seen:.4?}", scene.name);
-        assert!(seen.lost[0] < LOST_BY_PATCHES && seen.lost[1] < LOST_BY_REGIONS, "{told}");
-        assert!((0..2).all(|i| seen.steps[i] > 10 && seen.quiet[i] < QUIET[i]), "{told}");
+        let shown = format!("{}: {seen:.4?}", scene.name);
+        assert!(seen.lost[0] < LOST_BY_PATCHES && seen.lost[1] < LOST_BY_REGIONS, "{shown}");
+        assert!((0..2).all(|i| seen.steps[i] > 10 && seen.quiet[i] < QUIET[i]), "{shown}");
         // Of pairs of patches one in 200 goes from step to step; of contacts that regions keep, one
         // in 25.
-        assert!(200 * seen.gone[0] < seen.stayed[0], "{told}");
-        assert!(25 * seen.gone[1] < seen.stayed[1], "{told}");
-        assert!(seen.most[0] >= seen.most[1].max(seen.most[2]) && seen.most[0] >= 6, "{told}");
+        assert!(200 * seen.gone[0] < seen.stayed[0], "{shown}");
+        assert!(25 * seen.gone[1] < seen.stayed[1], "{shown}");
+        assert!(seen.most[0] >= seen.most[1].max(seen.most[2]) && seen.most[0] >= 6, "{shown}");
     }
 }

@@ -56,7 +56,7 @@ impl Placing<'_> {
             return Ok(());
         }
         let mut arrangement = self.arrangement(excluded);
-        let (mut known, mut told) = (BTreeSet::new(), Vec::new());
+        let (mut known, mut meetings) = (BTreeSet::new(), Vec::new());
         for instant in 0..=INSTANTS {
             let time = longest * f64::from(instant) / f64::from(INSTANTS);
             let poses = self.poses_at(time, world_from_root, starts)?;
@@ -64,15 +64,15 @@ impl Placing<'_> {
             for pair in arranged.map_err(|error| error.to_string())?.meeting {
                 if known.insert(pair) {
                     let [a, b] = [pair.0, pair.1].map(|body| self.link_name(body));
-                    told.push(format!("{a} - {b} (first seen at {time:.3} s)"));
+                    meetings.push(format!("{a} - {b} (first seen at {time:.3} s)"));
                 }
             }
         }
-        if !told.is_empty() {
-            let listed = told[..told.len().min(NAMED)].join(", ");
+        if !meetings.is_empty() {
+            let listed = meetings[..meetings.len().min(NAMED)].join(", ");
             self.warnings.push(format!(
                 "{} on the way along `paths`: {listed}. Lead the joints around, or exclude the pairs by `srdf` or `self_collisions`",
-                pairs_that_meet(told.len())
+                pairs_that_meet(meetings.len())
             ));
         }
         Ok(())

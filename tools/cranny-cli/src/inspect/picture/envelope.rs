@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn why_facets_are_not_drawn_is_told() {
+    fn why_facets_are_not_drawn_is_said() {
         let shown = |corners: &[usize]| -> Vec<Shown> {
             let of =
                 |&n: &usize| Shown { facet: EnvelopeFacetId(0), polygon: vec![DVec3::ZERO; n] };
