@@ -239,11 +239,18 @@ pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
 const ALL_CORNERS: u8 = 0b111;
 
 impl Prepared {
-    /// The corners, a bit each, that may be no farther from another triangle than `most`, which has
-    /// to include what lengths may be off by: seen along that one's normal, from the side on which
-    /// more are farther.
+    /// The nearest points of two triangles that do not intersect, if these are no farther apart
+    /// than `most`, which has to include what lengths may be off by; else any points of both, and
+    /// a distance that is farther, or infinite.
     #[must_use]
-    pub fn corners_within(&self, most: f64, other: &Self) -> u8 {
+    pub fn nearest_within(&self, most: f64, other: &Self) -> Nearest {
+        let own = self.corners_within(most, other);
+        self.nearest(own, other, other.corners_within(most, self))
+    }
+
+    /// The corners, a bit each, that may be no farther from another triangle than `most`, seen
+    /// along that one's normal, from the side on which more are farther.
+    fn corners_within(&self, most: f64, other: &Self) -> u8 {
         let along = |p: DVec3| other.normal.dot(p);
         let [a, b, c] = other.corners.map(along);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));

@@ -33,23 +33,14 @@ pub struct NearestFaces<'p, 'm> {
     /// or not: what keeps these apart keeps most others apart.
     toward: DVec3,
     least_measured: f64,
-    error: f64,
 }
 
 impl<'p, 'm> NearestFaces<'p, 'm> {
     /// Looks for faces less than `below` apart; infinity is no bound.
     #[must_use]
     pub fn less_than(pair: &'p Pair<'m>, below: f64) -> Self {
-        let (limit, error) = (below, pair.length_error());
-        Self {
-            pair,
-            below,
-            limit,
-            best: None,
-            toward: DVec3::ZERO,
-            least_measured: f64::INFINITY,
-            error,
-        }
+        let (best, toward) = (None, DVec3::ZERO);
+        Self { pair, below, limit: below, best, toward, least_measured: f64::INFINITY }
     }
 
     pub(crate) fn pair(&self) -> &'p Pair<'m> {
@@ -73,27 +64,25 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
     /// the [limit](Self::limit) along the last witness direction, and keeps them if they are
     /// nearest. Returns a lower bound of their distance.
     pub fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut impl Tally) -> f64 {
-        let pair = self.pair;
+        let (pair, error) = (self.pair, self.pair.length_error());
         let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
         let along = |p: &DVec3| self.toward.dot(*p);
         let highest = first.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
-        let gap = second.iter().map(along).fold(f64::INFINITY, f64::min) - highest - self.error;
+        let gap = second.iter().map(along).fold(f64::INFINITY, f64::min) - highest - error;
         if gap > self.limit {
             return gap;
         }
         counters.faces([f, g]);
-        let (limit, most) = (self.limit, self.limit + self.error);
         // The first are measured whole: from them comes the direction that keeps others apart.
         if self.best.is_some() {
-            let (own, its) = (Prepared::of(&first), Prepared::of(&second));
-            let corners = [own.corners_within(most, &its), its.corners_within(most, &own)];
-            let found = own.nearest(corners[0], &its, corners[1]);
+            let most = self.limit + error;
+            let found = Prepared::of(&first).nearest_within(most, &Prepared::of(&second));
             // What wins is reported as if nothing had been left out.
             if !self.would_win([f, g], &found) {
-                return found.squared.sqrt().min(limit) - self.error;
+                return found.squared.sqrt().min(self.limit) - error;
             }
         }
-        self.take([f, g], triangle_distance(&first, &second)) - self.error
+        self.take([f, g], triangle_distance(&first, &second)) - error
     }
 
     /// Whether what was measured between two faces is nearer than all before, or as near between
