@@ -45,8 +45,6 @@ pub struct Prepared {
     /// TriangleSide `i` runs from corner `i` to corner `(i + 1) % 3`.
     sides: [TriangleSide; 3],
     longest: usize,
-    /// Of the plane, not of length 1.
-    normal: DVec3,
     /// In the plane, at right angles to the sides, inward; as long as the side times the normal.
     inward: [DVec3; 3],
     /// One over the squared length of the normal, the outer product of two sides.
@@ -69,7 +67,6 @@ impl Prepared {
             corners,
             sides,
             longest,
-            normal,
             inward: sides.each_ref().map(|side| normal.cross(side.along)),
             over_normal_squared: 1.0 / normal.length_squared(),
         }
@@ -239,31 +236,6 @@ pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
 const ALL_CORNERS: u8 = 0b111;
 
 impl Prepared {
-    /// The nearest points of two triangles that do not intersect, if these are no farther apart
-    /// than `most`, which has to include what lengths may be off by; else any points of both, and
-    /// a distance that is farther, or infinite.
-    #[must_use]
-    pub fn nearest_within(&self, most: f64, other: &Self) -> Nearest {
-        let own = self.corners_within(most, other);
-        self.nearest(own, other, other.corners_within(most, self))
-    }
-
-    /// The corners, a bit each, that may be no farther from another triangle than `most`, seen
-    /// along that one's normal, from the side on which more are farther.
-    fn corners_within(&self, most: f64, other: &Self) -> u8 {
-        let along = |p: DVec3| other.normal.dot(p);
-        let [a, b, c] = other.corners.map(along);
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let reach = most * other.normal.length();
-        let heights = self.corners.map(along);
-        // Of what is no number nothing is known.
-        let bits =
-            |far: [bool; 3]| far.iter().rev().fold(0, |bits, &far| bits << 1 | u8::from(!far));
-        let above = bits(heights.map(|height| height - high > reach));
-        let below = bits(heights.map(|height| low - height > reach));
-        if below.count_ones() < above.count_ones() { below } else { above }
-    }
-
     /// The nearest points of two triangles that do not intersect, if these lie at some of their
     /// corners, a bit each, or on sides that end there, or inside.
     pub fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
