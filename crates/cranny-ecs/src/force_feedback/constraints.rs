@@ -130,9 +130,7 @@ mod tests {
         let mut motion = *wanted;
         let mut all: Vec<Multiplier<'_>> = constraints.iter().map(Multiplier::of).collect();
         for _ in 0..sweeps {
-            for multiplier in &mut all {
-                multiplier.improve(&mut motion);
-            }
+            improve(&mut all, &mut motion);
         }
         motion
     }
