@@ -3,15 +3,19 @@
 //! A set is cut in two until there are eight parts, the largest first; where it is cut is what
 //! leaves the least area of boxes, each weighed by the clusters in it (the surface area heuristic
 //! of MacDonald and Booth, 1990): by places, or by normals, which part the flanks of a thread.
+//! Which way points spread is added up over clusters; only the box along it looks at the points.
 //! Cost: O(n log n) sorting, and a few boxes over all points for each level.
 
 use cranny_exact::DVec3;
 
 use super::lanes::{LANES, Lanes, Lanes3};
-use super::oriented::{Frame, OrientedBox, best_frame, frame_across, frame_along, half_area};
+use super::oriented::{
+    Frame, OrientedBox, Points2, Spread, best_frame, frame_across, frame_along, half_area,
+    half_surface, is_less,
+};
 use super::wrenches::WrenchLanes;
 use super::{Child, Surface, WideNode, grow};
-use crate::ids::FaceId;
+use crate::ids::{FaceId, VertexId};
 
 /// Sets of more clusters than this are cut in the middle of their longest extent: there, boxes
 /// along normals say nothing. Larger: building takes longer; smaller: flanks are parted later.
@@ -36,19 +40,22 @@ struct Item {
     group: usize,
     /// Where its corners are among all points.
     points: [usize; 2],
+    spread: Spread,
+    /// Its box along the body's axes.
+    corners: [DVec3; 2],
     center: DVec3,
     normal: DVec3,
     bounds: OrientedBox,
 }
 
 struct Builder {
-    points: Vec<DVec3>,
+    points: Vec<Points2>,
     items: Vec<Item>,
     nodes: Vec<WideNode>,
     order: Vec<usize>,
     bounds: Vec<OrientedBox>,
     /// Scratch.
-    gathered: Vec<DVec3>,
+    keyed: Vec<(i64, u32)>,
 }
 
 pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
@@ -58,7 +65,7 @@ pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
         nodes: Vec::new(),
         order: Vec::with_capacity(groups.len()),
         bounds: Vec::with_capacity(groups.len()),
-        gathered: Vec::new(),
+        keyed: Vec::new(),
     };
     for (group, faces) in groups.iter().enumerate() {
         builder.take(surface, group, faces);
@@ -74,24 +81,26 @@ impl Builder {
     fn take(&mut self, surface: &Surface, group: usize, faces: &[FaceId]) {
         let start = self.points.len();
         let vertices = surface.vertices_of(faces);
-        self.points.extend(vertices.iter().map(|v| surface.places[v.index()]));
+        self.points.extend(surface.points_at(&vertices));
         let points = &self.points[start..];
+        let places = || vertices.iter().map(|v| surface.places[v.index()]);
+        let spread = Spread::of(places());
         let normal = grow::mean(surface, faces);
         let frame = if normal == DVec3::ZERO {
             DVec3::AXES
         } else {
-            let sides = faces.iter().flat_map(|&face| {
-                let [a, b, c] = surface.triangle(face);
-                [b - a, c - b, a - c]
-            });
-            let across = sides.filter_map(|side| frame_across(normal, side));
-            let along = frame_along(points, normal);
+            let across = sides(surface, faces).filter_map(|side| frame_across(normal, side));
+            let along = frame_along(&spread, normal);
             best_frame(points, std::iter::once(along).chain(across))
         };
         let bounds = OrientedBox::around(points, &frame);
         let center = DVec3::from_array(bounds.center.map(f64::from));
+        let corners = [
+            places().fold(DVec3::INFINITY, DVec3::min),
+            places().fold(DVec3::NEG_INFINITY, DVec3::max),
+        ];
         let points = [start, self.points.len()];
-        self.items.push(Item { group, points, center, normal, bounds });
+        self.items.push(Item { group, points, spread, corners, center, normal, bounds });
     }
 
     /// Makes the node over some clusters, and all below it; returns its index.
@@ -127,37 +136,49 @@ impl Builder {
         index
     }
 
-    fn gather(&mut self, set: &[u32]) {
-        self.gathered.clear();
-        for &item in set {
+    fn points_of<'s>(&'s self, set: &'s [u32]) -> impl Iterator<Item = &'s Points2> + Clone {
+        set.iter().flat_map(|&item| {
             let [start, end] = self.items[item as usize].points;
-            self.gathered.extend_from_slice(&self.points[start..end]);
+            &self.points[start..end]
+        })
+    }
+
+    /// The better of two frames for the box over a set, and half the surface of that box.
+    fn frame_of(&self, set: &[u32]) -> (Frame, f64) {
+        let mut spread = Spread::default();
+        let mut normal = DVec3::ZERO;
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &item in set {
+            let item = &self.items[item as usize];
+            spread = spread.with(&item.spread);
+            normal += item.normal;
+            (least, most) = (least.min(item.corners[0]), most.max(item.corners[1]));
         }
-    }
-
-    fn frames(&self, set: &[u32]) -> [Frame; 2] {
-        let normal = set.iter().map(|&item| self.items[item as usize].normal).sum::<DVec3>();
         let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
-        [DVec3::AXES, frame_along(&self.gathered, normal)]
+        let along_axes = half_surface(most - least);
+        let frame = frame_along(&spread, normal);
+        let area = half_area(self.points_of(set), &frame);
+        if is_less(area, along_axes) { (frame, area) } else { (DVec3::AXES, along_axes) }
     }
 
-    fn bounds_of(&mut self, set: &[u32]) -> OrientedBox {
-        self.gather(set);
-        let frame = best_frame(&self.gathered, self.frames(set).into_iter());
-        OrientedBox::around(&self.gathered, &frame)
+    fn bounds_of(&self, set: &[u32]) -> OrientedBox {
+        let points: Vec<Points2> = self.points_of(set).copied().collect();
+        OrientedBox::around(&points, &self.frame_of(set).0)
     }
 
     /// Half the surface of the box over a set, times its number.
-    fn weight(&mut self, set: &[u32]) -> f64 {
-        self.gather(set);
-        let frames = self.frames(set);
-        let areas = frames.map(|frame| half_area(&self.gathered, &frame));
-        areas[0].min(areas[1]) * set.len() as f64
+    fn weight(&self, set: &[u32]) -> f64 {
+        self.frame_of(set).1 * set.len() as f64
     }
 
     /// Orders a set of at least two and returns where it is cut.
     fn cut(&mut self, set: &mut [u32]) -> usize {
         let count = set.len();
+        if count == 2 {
+            // However they are ordered, the parts are the same.
+            self.sort(set, 0);
+            return 1;
+        }
         if count > FEW {
             let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             for &item in set.iter() {
@@ -166,23 +187,26 @@ impl Builder {
             }
             let size = (most - least).to_array();
             let axis = (0..3).max_by(|&i, &j| size[i].total_cmp(&size[j])).unwrap_or(0);
-            self.sort(set, axis);
+            let key = |&item: &u32| (self.items[item as usize].key(axis), item);
+            set.select_nth_unstable_by_key(count / 2, key);
             return count / 2;
         }
         let mut best = (f64::INFINITY, 0, count / 2);
         for key in 0..6 {
             self.sort(set, key);
-            let tries: &[usize] = match count > FEWER {
-                true => &[count / 2],
-                false => &[count / 2, count / 3, 2 * count / 3],
-            };
-            for &middle in tries {
-                if middle == 0 || middle == count {
+            let tries = [count / 2, count / 3, 2 * count / 3];
+            let tries = &tries[..if count > FEWER { 1 } else { 3 }];
+            for (i, &middle) in tries.iter().enumerate() {
+                if middle == 0 || tries[..i].contains(&middle) {
                     continue;
                 }
-                let weight = self.weight(&set[..middle]) + self.weight(&set[middle..]);
                 // By more than rounding.
-                if weight < best.0 * 0.999 {
+                let enough = best.0 * 0.999;
+                let mut weight = self.weight(&set[..middle]);
+                if weight < enough {
+                    weight += self.weight(&set[middle..]);
+                }
+                if weight < enough {
                     best = (weight, key, middle);
                 }
             }
@@ -192,13 +216,40 @@ impl Builder {
     }
 
     /// By a coordinate of the centre, or of the normal.
-    fn sort(&self, set: &mut [u32], key: usize) {
-        let of = |item: u32| {
-            let Item { center, normal, .. } = &self.items[item as usize];
-            if key < 3 { center[key] } else { normal[key - 3] }
-        };
-        set.sort_unstable_by(|&x, &y| of(x).total_cmp(&of(y)).then(x.cmp(&y)));
+    fn sort(&mut self, set: &mut [u32], key: usize) {
+        self.keyed.clear();
+        self.keyed.extend(set.iter().map(|&item| (self.items[item as usize].key(key), item)));
+        self.keyed.sort_unstable();
+        for (item, keyed) in set.iter_mut().zip(&self.keyed) {
+            *item = keyed.1;
+        }
     }
+}
+
+impl Item {
+    /// A coordinate of the centre, or of the normal, as a number of the same order.
+    fn key(&self, key: usize) -> i64 {
+        let x = if key < 3 { self.center[key] } else { self.normal[key - 3] };
+        // As `f64::total_cmp` has it.
+        let bits = x.to_bits().cast_signed();
+        bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
+    }
+}
+
+/// The sides of faces, those between two of them once.
+fn sides<'a>(surface: &'a Surface, faces: &'a [FaceId]) -> impl Iterator<Item = DVec3> + 'a {
+    faces.iter().enumerate().flat_map(move |(i, &face)| {
+        let ends = surface.mesh.corners(face);
+        let sides = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[0]]];
+        let has = |other: &FaceId, [from, to]: [VertexId; 2]| {
+            let [a, b, c] = surface.mesh.corners(*other);
+            [[b, a], [c, b], [a, c]].contains(&[from, to])
+        };
+        let is_new = move |side: &[VertexId; 2]| !faces[..i].iter().any(|f| has(f, *side));
+        let between =
+            |[from, to]: [VertexId; 2]| surface.places[to.index()] - surface.places[from.index()];
+        sides.into_iter().filter(is_new).map(between)
+    })
 }
 
 fn blank() -> WideNode {

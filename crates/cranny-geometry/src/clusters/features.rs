@@ -203,36 +203,43 @@ pub(super) fn faces(
     faces: &[FaceId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> FaceLanes {
-    let triangle = |face: FaceId| surface.triangle(face).map(from);
-    let normal = |face: FaceId| surface.normal(face);
-    // All three corners, so that bounds hold also where rounding tilts a direction.
-    let most = |face: FaceId, along: DVec3| {
-        triangle(face).map(|p| along.dot(p)).into_iter().fold(f64::NEG_INFINITY, f64::max)
-    };
-    // Of slivers, rounding turns the normal, and nothing is beyond a side for certain.
-    let side = |face: FaceId, i: usize| {
-        let t = triangle(face);
-        let normal = surface.certain_normal(face).unwrap_or(DVec3::ZERO);
-        (t[(i + 1) % 3] - t[i]).cross(normal).normalize_or_zero()
-    };
     let all = || faces.iter().copied();
-    let lanes = |of: &dyn Fn(FaceId) -> f64| Lanes::of(all().map(of), 0.0);
     let rims = |side: usize| {
         let is_rim = |face: FaceId| u32::from(owned[face.index()].rims >> side & 1);
         all().enumerate().map(|(i, face)| is_rim(face) << i).sum()
     };
-    FaceLanes {
+    let (zero, none) = (Lanes::all(0.0), Lanes3::of(std::iter::empty()));
+    let mut lanes = FaceLanes {
         ids: named(faces),
         patches: named(&faces.iter().map(|&f| patches.patch_of_face(f)).collect::<Vec<_>>()),
         count: faces.len() as u32,
         rims: [rims(0), rims(1), rims(2)],
-        normal: Lanes3::of(all().map(normal)),
-        top: lanes(&|f| most(f, normal(f))),
-        bottom: lanes(&|f| -most(f, -normal(f))),
-        sides: [0, 1, 2].map(|i| Lanes3::of(all().map(|f| side(f, i)))),
-        ends: [0, 1, 2].map(|i| lanes(&|f| most(f, side(f, i)))),
-        corners: [0, 1, 2].map(|i| Lanes3::of(all().map(|f| triangle(f)[i]))),
+        normal: Lanes3::of(all().map(|face| surface.normal(face))),
+        top: zero,
+        bottom: zero,
+        sides: [none; 3],
+        ends: [zero; 3],
+        corners: [none; 3],
+    };
+    let single = |v: DVec3| v.to_array().map(|x| x as f32);
+    for (i, face) in all().enumerate() {
+        let (triangle, normal) = (surface.triangle(face).map(from), surface.normal(face));
+        // All three corners, so that bounds hold also where rounding tilts a direction.
+        let most = |along: DVec3| {
+            triangle.map(|p| along.dot(p)).into_iter().fold(f64::NEG_INFINITY, f64::max)
+        };
+        // Of slivers, rounding turns the normal, and nothing is beyond a side for certain.
+        let certain = surface.certain_normal(face).unwrap_or(DVec3::ZERO);
+        lanes.top.0[i] = most(normal) as f32;
+        lanes.bottom.0[i] = -most(-normal) as f32;
+        for j in 0..3 {
+            let side = (triangle[(j + 1) % 3] - triangle[j]).cross(certain).normalize_or_zero();
+            lanes.sides[j].set(i, single(side));
+            lanes.ends[j].0[i] = most(side) as f32;
+            lanes.corners[j].set(i, single(triangle[j]));
+        }
     }
+    lanes
 }
 
 /// Vertices side by side.
@@ -326,7 +333,18 @@ impl Tip {
         if edges.len() < 3 {
             return Self::Unknown;
         }
-        let falls = |direction: DVec3| edges.iter().all(|edge| edge.dot(direction) <= TIP_SLACK);
+        // Whether a direction does, and the one against it.
+        let falls = |direction: DVec3| {
+            let (mut falls, mut rises) = (true, true);
+            for edge in &edges {
+                let along = edge.dot(direction);
+                (falls, rises) = (falls && along <= TIP_SLACK, rises && -along <= TIP_SLACK);
+                if !falls && !rises {
+                    break;
+                }
+            }
+            [falls, rises]
+        };
         // The directions are a cone, whose border lines are at right angles to two edges.
         // Edges along one line bound it by others: what is at right angles to that line.
         let (mut borders, mut some) = (Vec::new(), false);
@@ -339,9 +357,10 @@ impl Tip {
                 }
                 some = true;
                 let cross = cross / length;
-                let found = [cross, -cross].into_iter().filter(|&direction| falls(direction));
+                let found =
+                    [cross, -cross].into_iter().zip(falls(cross)).filter(|(_, falls)| *falls);
                 let before = borders.len();
-                borders.extend(found);
+                borders.extend(found.map(|(direction, _)| direction));
                 if borders.len() > before && length < LEAST_ANGLE {
                     return Self::Unknown;
                 }

@@ -41,12 +41,12 @@ impl Lanes {
 
 impl Lanes3 {
     /// Rounded to nearest; what is left is zero.
-    pub(super) fn of(vectors: impl Iterator<Item = DVec3> + Clone) -> Self {
-        Self {
-            x: Lanes::of(vectors.clone().map(|v| v.x), 0.0),
-            y: Lanes::of(vectors.clone().map(|v| v.y), 0.0),
-            z: Lanes::of(vectors.map(|v| v.z), 0.0),
+    pub(super) fn of(vectors: impl Iterator<Item = DVec3>) -> Self {
+        let mut lanes = Self { x: Lanes::all(0.0), y: Lanes::all(0.0), z: Lanes::all(0.0) };
+        for (lane, v) in vectors.enumerate() {
+            lanes.set(lane, v.to_array().map(|x| x as f32));
         }
+        lanes
     }
 
     /// One of the vectors.

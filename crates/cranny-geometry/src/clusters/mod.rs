@@ -31,6 +31,7 @@ pub use self::features::{Owned, may_be_ridge};
 use self::features::{Owners, Tip};
 pub use self::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 pub use self::oriented::OrientedBox;
+use self::oriented::Points2;
 pub use self::wrenches::{WRENCH, WrenchBox, WrenchLanes};
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
@@ -339,6 +340,12 @@ impl Surface<'_> {
         let longest = longest.max((a - c).length_squared()).sqrt();
         let area = (b - a).cross(c - a).length();
         (area > LEAST_HEIGHT * longest).then(|| self.normal(face))
+    }
+
+    /// Where vertices are, two at a time.
+    fn points_at(&self, vertices: &[VertexId]) -> impl Iterator<Item = Points2> {
+        let at = |v: VertexId| self.places[v.index()];
+        vertices.chunks(2).map(move |two| Points2::of([at(two[0]), at(two[two.len() - 1])]))
     }
 
     /// The vertices of some faces, each once, ascending.

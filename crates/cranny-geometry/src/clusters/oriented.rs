@@ -1,6 +1,7 @@
 //! Boxes that lie along what they hold.
 
 use cranny_exact::DVec3;
+use glam::Vec3Swizzles;
 
 /// A box with axes of its own, in the coordinates of its tree. What it holds lies within it,
 /// rounding of its own numbers taken into account.
@@ -29,19 +30,61 @@ const LEAST_SINE_SQUARED: f64 = 0.01;
 /// angles count.
 const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
-/// The frame along a normal (unit, or zero: that of the body) that lies along the points' greatest
-/// spread across it.
-pub(super) fn frame_along(points: &[DVec3], normal: DVec3) -> Frame {
+/// How points spread about their mean.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spread {
+    count: f64,
+    mean: DVec3,
+    /// Sums of xx, yy and zz about the mean.
+    squares: DVec3,
+    /// Sums of yz, zx and xy about it.
+    products: DVec3,
+}
+
+impl Spread {
+    pub(super) fn of(points: impl Iterator<Item = DVec3> + Clone) -> Self {
+        let (count, sum) =
+            points.clone().fold((0.0, DVec3::ZERO), |(n, sum), p| (n + 1.0, sum + p));
+        let mean = sum / count;
+        let (mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO);
+        for p in points {
+            let p = p - mean;
+            squares += p * p;
+            products += p.yzx() * p.zxy();
+        }
+        Self { count, mean, squares, products }
+    }
+
+    /// Of the points of both (Chan, Golub and LeVeque 1979): no point is looked at again, and
+    /// points that lie together far from the origin lose nothing.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        let count = self.count + other.count;
+        let (between, share) = (other.mean - self.mean, other.count / count);
+        let weight = self.count * share;
+        Self {
+            count,
+            mean: self.mean + between * share,
+            squares: self.squares + other.squares + between * between * weight,
+            products: self.products + other.products + between.yzx() * between.zxy() * weight,
+        }
+    }
+
+    /// What the spread makes of a direction: the covariance, times the number of points.
+    fn times(&self, u: DVec3) -> DVec3 {
+        let (yz, zx, xy) = self.products.into();
+        self.squares * u + DVec3::new(xy * u.y + zx * u.z, xy * u.x + yz * u.z, zx * u.x + yz * u.y)
+    }
+}
+
+/// The frame along a normal (unit, or zero: that of the body) that lies along the greatest spread
+/// across it.
+pub(super) fn frame_along(spread: &Spread, normal: DVec3) -> Frame {
     if normal == DVec3::ZERO {
         return DVec3::AXES;
     }
     let (u, v) = normal.any_orthonormal_pair();
-    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
-    for p in points {
-        let (x, y) = (u.dot(*p - mean), v.dot(*p - mean));
-        (a, b, c) = (a + x * x, b + x * y, c + y * y);
-    }
+    let (of_u, of_v) = (spread.times(u), spread.times(v));
+    let (a, b, c) = (u.dot(of_u), v.dot(of_u), v.dot(of_v));
     // Principal direction of [[a, b], [b, c]], without a transcendental function.
     let half = 0.5 * (a - c);
     let root = (half * half + b * b).sqrt();
@@ -61,30 +104,79 @@ pub(super) fn frame_across(normal: DVec3, direction: DVec3) -> Option<Frame> {
     Some([along, normal.cross(along), normal])
 }
 
-/// How far points reach along a frame's directions: least and most.
-fn extents(points: &[DVec3], frame: &Frame) -> [DVec3; 2] {
-    let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in points {
-        let at = DVec3::new(frame[0].dot(*p), frame[1].dot(*p), frame[2].dot(*p));
-        (least, most) = (least.min(at), most.max(at));
-    }
-    [least, most]
+/// Two points side by side; of one, the same again.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Points2 {
+    x: [f64; 2],
+    y: [f64; 2],
+    z: [f64; 2],
 }
 
-/// Half the surface of the box along a frame.
-pub(super) fn half_area(points: &[DVec3], frame: &Frame) -> f64 {
-    let [least, most] = extents(points, frame);
-    let size = most - least;
+impl Points2 {
+    pub(super) fn of([p, q]: [DVec3; 2]) -> Self {
+        Self { x: [p.x, q.x], y: [p.y, q.y], z: [p.z, q.z] }
+    }
+
+    fn each(&self) -> [DVec3; 2] {
+        std::array::from_fn(|i| DVec3::new(self.x[i], self.y[i], self.z[i]))
+    }
+
+    fn along(&self, d: DVec3) -> [f64; 2] {
+        std::array::from_fn(|i| d.x * self.x[i] + d.y * self.y[i] + d.z * self.z[i])
+    }
+}
+
+/// How far points reach along a direction: least and most, in two parts. Points are numbers, so
+/// that comparisons do.
+#[derive(Clone, Copy)]
+struct Reach([f64; 2], [f64; 2]);
+
+impl Reach {
+    const NONE: Self = Self([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+
+    fn add(&mut self, at: &[f64; 2]) {
+        for (i, &x) in at.iter().enumerate() {
+            self.0[i] = if x < self.0[i] { x } else { self.0[i] };
+            self.1[i] = if x > self.1[i] { x } else { self.1[i] };
+        }
+    }
+
+    /// From the least to the most.
+    fn length(&self) -> f64 {
+        let least = self.0.into_iter().fold(f64::INFINITY, f64::min);
+        let most = self.1.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        most - least
+    }
+}
+
+/// Half the surface of the box of points along a frame.
+pub(super) fn half_area<'p>(points: impl Iterator<Item = &'p Points2>, frame: &Frame) -> f64 {
+    let mut reach = [Reach::NONE; 3];
+    for two in points {
+        for (reach, &axis) in reach.iter_mut().zip(frame) {
+            reach.add(&two.along(axis));
+        }
+    }
+    let [x, y, z] = reach.map(|reach| reach.length());
+    half_surface(DVec3::new(x, y, z))
+}
+
+/// Half the surface of a box of a size.
+pub(super) fn half_surface(size: DVec3) -> f64 {
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
+/// Whether an area is less by more than rounding, so that of equals the first counts.
+pub(super) fn is_less(area: f64, than: f64) -> bool {
+    area < than * (1.0 - 1.0 / (1u64 << 30) as f64)
+}
+
 /// The frame in which points have the smallest box, the first of equals.
-pub(super) fn best_frame(points: &[DVec3], frames: impl Iterator<Item = Frame>) -> Frame {
+pub(super) fn best_frame(points: &[Points2], frames: impl Iterator<Item = Frame>) -> Frame {
     let mut best = (f64::INFINITY, DVec3::AXES);
     for frame in frames {
-        let area = half_area(points, &frame);
-        // By more than rounding, so that what is as good does not depend on it.
-        if area < best.0 * (1.0 - 1.0 / (1u64 << 30) as f64) {
+        let area = half_area(points.iter(), &frame);
+        if is_less(area, best.0) {
             best = (area, frame);
         }
     }
@@ -93,17 +185,21 @@ pub(super) fn best_frame(points: &[DVec3], frames: impl Iterator<Item = Frame>) 
 
 impl OrientedBox {
     /// Around points, along a frame.
-    pub(super) fn around(points: &[DVec3], frame: &Frame) -> Self {
+    pub(super) fn around(points: &[Points2], frame: &Frame) -> Self {
         let single = |v: DVec3| v.to_array().map(|x| x as f32);
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let [least, most] = extents(points, frame);
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in points.iter().flat_map(Points2::each) {
+            let at = DVec3::from_array(frame.map(|axis| axis.dot(p)));
+            (least, most) = (least.min(at), most.max(at));
+        }
         let middle = 0.5 * (least + most);
         let center = single(frame[0] * middle.x + frame[1] * middle.y + frame[2] * middle.z);
         let axes = frame.map(single);
         let (stored, from) = (axes.map(double), double(center));
         let (mut half, mut radius) = (DVec3::ZERO, 0.0f64);
-        for p in points {
-            let p = *p - from;
+        for p in points.iter().flat_map(Points2::each) {
+            let p = p - from;
             half = half.max(DVec3::from_array(stored.map(|axis| axis.dot(p).abs())));
             radius = radius.max(p.length());
         }

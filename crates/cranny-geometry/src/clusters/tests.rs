@@ -246,3 +246,49 @@ fn faces_that_contradict_each_other_bound_nothing() {
         assert_eq!(seen == 0, is_bounded);
     }
 }
+
+/// Half the surface of a box, corner by corner.
+fn surface_along(points: &[DVec3], frame: &oriented::Frame) -> f64 {
+    let along = |axis: &DVec3| points.iter().map(|p| axis.dot(*p)).collect::<Vec<f64>>();
+    let [x, y, z] = frame.each_ref().map(|axis| {
+        let at = along(axis);
+        at.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - at.iter().copied().fold(f64::INFINITY, f64::min)
+    });
+    x * y + y * z + z * x
+}
+
+#[test]
+fn sets_spread_together_as_their_points_do() {
+    let mut rng = Rng::new(5);
+    for round in 0..200 {
+        // Far from the origin, as a cluster of a large mesh is.
+        let far = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        let small = if round % 2 == 0 { 1.0 } else { 1e-6 };
+        let size = small * DVec3::new(1.0, rng.unit(), rng.unit());
+        let mut point = || far + size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        let points: Vec<DVec3> = (0..17).map(|_| point()).collect();
+        let of = |points: &[DVec3]| oriented::Spread::of(points.iter().copied());
+        let whole = of(&points);
+        let parts = points.chunks(1 + round % 7);
+        let together = parts.fold(oriented::Spread::default(), |sum, part| sum.with(&of(part)));
+        let normal = DVec3::new(rng.unit(), rng.unit(), rng.unit() + 0.1).normalize();
+        let [own, its] = [&whole, &together].map(|s| oriented::frame_along(s, normal));
+        for (x, y) in own.iter().zip(&its) {
+            assert!((*x - *y).length() < 1e-5, "{x} {y}");
+        }
+        // No direction across the normal has more of the points' spread.
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+        let along = |d: DVec3| points.iter().map(|p| (*p - mean).dot(d).powi(2)).sum::<f64>();
+        for i in 0..64 {
+            let angle = std::f64::consts::TAU * f64::from(i) / 64.0;
+            let other = own[0] * angle.cos() + own[1] * angle.sin();
+            assert!(along(other) <= along(own[0]) * (1.0 + 1e-9), "{angle}");
+        }
+        let twos: Vec<_> = points
+            .chunks(2)
+            .map(|two| oriented::Points2::of([two[0], two[two.len() - 1]]))
+            .collect();
+        assert_eq!(oriented::half_area(twos.iter(), &own), surface_along(&points, &own));
+    }
+}
