@@ -285,10 +285,8 @@ fn sets_spread_together_as_their_points_do() {
             let other = own[0] * angle.cos() + own[1] * angle.sin();
             assert!(along(other) <= along(own[0]) * (1.0 + 1e-9), "{angle}");
         }
-        let twos: Vec<_> = points
-            .chunks(2)
-            .map(|two| oriented::Points2::of([two[0], two[two.len() - 1]]))
-            .collect();
+        let twos: Vec<_> =
+            points.chunks(2).map(|two| Points2::of([two[0], two[two.len() - 1]])).collect();
         assert_eq!(oriented::half_area(twos.iter(), &own), surface_along(&points, &own));
     }
 }
