@@ -179,7 +179,7 @@ fn a_view_of_heat_shows_what_a_search_looks_at() {
         let mut moment = Moment { time: f64::from(k), ..moment(&[0.0, 0.0]) };
         let guest = moment.poses.get_mut(&BodyId(1)).unwrap();
         guest.rotation = cranny_exact::DQuat::from_rotation_x(1.5);
-        guest.translation.x = 0.7 - 0.002 * f64::from(k);
+        guest.translation.x = 0.7 - 0.0005 * f64::from(k);
         moment
     };
     let painted = |image: &cranny_render::Image| {
