@@ -6,7 +6,7 @@
 //! Which way points spread is added up over clusters; only the box along it looks at the points.
 //! Cost: O(n log n) sorting, and a few boxes over all points for each level.
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::lanes::{LANES, Lanes, Lanes3};
 use super::oriented::{
@@ -42,7 +42,7 @@ struct Item {
     points: [usize; 2],
     spread: Spread,
     /// Its box along the body's axes.
-    corners: [DVec3; 2],
+    aligned: Aabb,
     center: DVec3,
     normal: DVec3,
     bounds: OrientedBox,
@@ -95,12 +95,9 @@ impl Builder {
         };
         let bounds = OrientedBox::around(points, &frame);
         let center = DVec3::from_array(bounds.center.map(f64::from));
-        let corners = [
-            places().fold(DVec3::INFINITY, DVec3::min),
-            places().fold(DVec3::NEG_INFINITY, DVec3::max),
-        ];
+        let aligned = Aabb::of_points(places());
         let points = [start, self.points.len()];
-        self.items.push(Item { group, points, spread, corners, center, normal, bounds });
+        self.items.push(Item { group, points, spread, aligned, center, normal, bounds });
     }
 
     /// Makes the node over some clusters, and all below it; returns its index.
@@ -146,16 +143,15 @@ impl Builder {
     /// The better of two frames for the box over a set, and half the surface of that box.
     fn frame_of(&self, set: &[u32]) -> (Frame, f64) {
         let mut spread = Spread::default();
-        let mut normal = DVec3::ZERO;
-        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (mut normal, mut aligned) = (DVec3::ZERO, Aabb::EMPTY);
         for &item in set {
             let item = &self.items[item as usize];
             spread = spread.with(&item.spread);
             normal += item.normal;
-            (least, most) = (least.min(item.corners[0]), most.max(item.corners[1]));
+            aligned = aligned.union(&item.aligned);
         }
         let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
-        let along_axes = half_surface(most - least);
+        let along_axes = half_surface(aligned.max - aligned.min);
         let frame = frame_along(&spread, normal);
         let area = half_area(self.points_of(set), &frame);
         if is_less(area, along_axes) { (frame, area) } else { (DVec3::AXES, along_axes) }
@@ -197,7 +193,7 @@ impl Builder {
             let tries = [count / 2, count / 3, 2 * count / 3];
             let tries = &tries[..if count > FEWER { 1 } else { 3 }];
             for (i, &middle) in tries.iter().enumerate() {
-                if middle == 0 || tries[..i].contains(&middle) {
+                if tries[..i].contains(&middle) {
                     continue;
                 }
                 // By more than rounding.

@@ -105,7 +105,7 @@ pub(super) fn groups(surface: &Surface) -> Vec<Vec<FaceId>> {
 
 /// Groups that share an edge, each pair once, ascending.
 fn neighbours(surface: &Surface, group_of: &[u32]) -> Vec<[u32; 2]> {
-    // As one number: it is sorted in half the time.
+    // A pair as one number.
     let mut pairs = Vec::new();
     for edge in 0..surface.topology.edges().len() as u32 {
         let around = surface.topology.half_edges(crate::ids::EdgeId(edge));
