@@ -83,6 +83,14 @@ impl Aabb {
         if self.is_empty() { 0.0 } else { (self.max - self.min).length() }
     }
 
+    /// Half the area of its surface (rounded); not a number for an empty box.
+    #[must_use]
+    #[inline]
+    pub fn half_area(&self) -> f64 {
+        let size = self.max - self.min;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+
     /// A lower bound of the squared distance between the boxes: exact but for rounding, which is
     /// taken downward; 0 where they overlap.
     #[must_use]

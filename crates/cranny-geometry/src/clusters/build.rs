@@ -4,14 +4,15 @@
 //! leaves the least area of boxes, each weighed by the clusters in it (the surface area heuristic
 //! of MacDonald and Booth, 1990): by places, or by normals, which part the flanks of a thread.
 //! Which way points spread is added up over clusters; only the box along it looks at the points.
-//! Cost: O(n log n) sorting, and a few boxes over all points for each level.
+//! Cost: O(n log n) sorting, and for each level up to twelve boxes over the points of sets of up to
+//! 256 clusters, 36 where there are no more than 24.
 
 use cranny_exact::{Aabb, DVec3};
 
 use super::lanes::{LANES, Lanes, Lanes3};
 use super::oriented::{
-    Frame, OrientedBox, Points2, Spread, best_frame, frame_across, frame_along, half_area,
-    half_surface, is_less,
+    Frame, OrientedBox, PointPair, Spread, best_frame, frame_across, frame_along, half_area_along,
+    is_less,
 };
 use super::wrenches::WrenchLanes;
 use super::{Child, Surface, WideNode, grow};
@@ -19,11 +20,20 @@ use crate::ids::{FaceId, VertexId};
 
 /// Sets of more clusters than this are cut in the middle of their longest extent: there, boxes
 /// along normals say nothing. Larger: building takes longer; smaller: flanks are parted later.
-const FEW: usize = 256;
+const MOST_BY_NORMALS: usize = 256;
 
-/// Sets of more than this are cut in the middle, along whatever cuts best. Larger: building takes
-/// longer, for nodes that are hardly better.
-const FEWER: usize = 24;
+/// Sets of more than this are cut in the middle, along whatever cuts best; smaller ones also at a
+/// third. Larger: building takes longer, for nodes that are hardly better.
+const MOST_BY_THIRDS: usize = 24;
+
+/// A cut replaces another if its weight is less than so much of the other's. Larger: rounding
+/// chooses; smaller: worse cuts stay because they came first.
+const BETTER: f64 = 0.999;
+
+/// Normals of a set whose sum is shorter than this share of their number cancel. Smaller: what
+/// rounding left of them is taken for a direction; larger: boxes of nearly closed sets lie along
+/// the body's axes.
+const CANCELLED: f64 = 1e-9;
 
 /// What the tree is made of.
 pub(super) struct Built {
@@ -38,7 +48,7 @@ pub(super) struct Built {
 /// A cluster to be put into the tree.
 struct Item {
     group: usize,
-    /// Where its corners are among all points.
+    /// Where its corners are among the builder's pairs of points.
     points: [usize; 2],
     spread: Spread,
     /// Its box along the body's axes.
@@ -49,7 +59,7 @@ struct Item {
 }
 
 struct Builder {
-    points: Vec<Points2>,
+    points: Vec<PointPair>,
     items: Vec<Item>,
     nodes: Vec<WideNode>,
     order: Vec<usize>,
@@ -89,11 +99,11 @@ impl Builder {
         let frame = if normal == DVec3::ZERO {
             DVec3::AXES
         } else {
-            let across = sides(surface, faces).filter_map(|side| frame_across(normal, side));
+            let across = edge_vectors(surface, faces).filter_map(|side| frame_across(normal, side));
             let along = frame_along(&spread, normal);
             best_frame(points, std::iter::once(along).chain(across))
         };
-        let bounds = OrientedBox::around(points, &frame);
+        let bounds = OrientedBox::around(points.iter(), &frame);
         let center = DVec3::from_array(bounds.center.map(f64::from));
         let aligned = Aabb::of_points(places());
         let points = [start, self.points.len()];
@@ -133,7 +143,7 @@ impl Builder {
         index
     }
 
-    fn points_of<'s>(&'s self, set: &'s [u32]) -> impl Iterator<Item = &'s Points2> + Clone {
+    fn points_of<'s>(&'s self, set: &'s [u32]) -> impl Iterator<Item = &'s PointPair> + Clone {
         set.iter().flat_map(|&item| {
             let [start, end] = self.items[item as usize].points;
             &self.points[start..end]
@@ -150,16 +160,18 @@ impl Builder {
             normal += item.normal;
             aligned = aligned.union(&item.aligned);
         }
-        let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
-        let along_axes = half_surface(aligned.max - aligned.min);
+        let along_axes = aligned.half_area();
+        if normal.length() <= CANCELLED * set.len() as f64 {
+            return (DVec3::AXES, along_axes);
+        }
+        let normal = normal.normalize();
         let frame = frame_along(&spread, normal);
-        let area = half_area(self.points_of(set), &frame);
+        let area = half_area_along(self.points_of(set), &frame);
         if is_less(area, along_axes) { (frame, area) } else { (DVec3::AXES, along_axes) }
     }
 
     fn bounds_of(&self, set: &[u32]) -> OrientedBox {
-        let points: Vec<Points2> = self.points_of(set).copied().collect();
-        OrientedBox::around(&points, &self.frame_of(set).0)
+        OrientedBox::around(self.points_of(set), &self.frame_of(set).0)
     }
 
     /// Half the surface of the box over a set, times its number.
@@ -171,11 +183,9 @@ impl Builder {
     fn cut(&mut self, set: &mut [u32]) -> usize {
         let count = set.len();
         if count == 2 {
-            // However they are ordered, the parts are the same.
-            self.sort(set, 0);
             return 1;
         }
-        if count > FEW {
+        if count > MOST_BY_NORMALS {
             let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             for &item in set.iter() {
                 let center = self.items[item as usize].center;
@@ -185,25 +195,28 @@ impl Builder {
             let axis = (0..3).max_by(|&i, &j| size[i].total_cmp(&size[j])).unwrap_or(0);
             let key = |&item: &u32| (self.items[item as usize].key(axis), item);
             set.select_nth_unstable_by_key(count / 2, key);
+            // What the selection leaves in either half is in an order of the library's own.
+            let (low, high) = set.split_at_mut(count / 2);
+            low.sort_unstable();
+            high.sort_unstable();
             return count / 2;
         }
         let mut best = (f64::INFINITY, 0, count / 2);
-        for key in 0..6 {
-            self.sort(set, key);
+        for coordinate in 0..6 {
+            self.sort(set, coordinate);
             let tries = [count / 2, count / 3, 2 * count / 3];
-            let tries = &tries[..if count > FEWER { 1 } else { 3 }];
+            let tries = &tries[..if count > MOST_BY_THIRDS { 1 } else { 3 }];
             for (i, &middle) in tries.iter().enumerate() {
                 if tries[..i].contains(&middle) {
                     continue;
                 }
-                // By more than rounding.
-                let enough = best.0 * 0.999;
+                let bar = BETTER * best.0;
                 let mut weight = self.weight(&set[..middle]);
-                if weight < enough {
+                if weight < bar {
                     weight += self.weight(&set[middle..]);
                 }
-                if weight < enough {
-                    best = (weight, key, middle);
+                if weight < bar {
+                    best = (weight, coordinate, middle);
                 }
             }
         }
@@ -211,10 +224,11 @@ impl Builder {
         best.2
     }
 
-    /// By a coordinate of the centre, or of the normal.
-    fn sort(&mut self, set: &mut [u32], key: usize) {
+    /// By a coordinate of the centre (0 to 2), or of the normal (3 to 5).
+    fn sort(&mut self, set: &mut [u32], coordinate: usize) {
         self.keyed.clear();
-        self.keyed.extend(set.iter().map(|&item| (self.items[item as usize].key(key), item)));
+        self.keyed
+            .extend(set.iter().map(|&item| (self.items[item as usize].key(coordinate), item)));
         self.keyed.sort_unstable();
         for (item, keyed) in set.iter_mut().zip(&self.keyed) {
             *item = keyed.1;
@@ -224,16 +238,19 @@ impl Builder {
 
 impl Item {
     /// A coordinate of the centre, or of the normal, as a number of the same order.
-    fn key(&self, key: usize) -> i64 {
-        let x = if key < 3 { self.center[key] } else { self.normal[key - 3] };
+    fn key(&self, coordinate: usize) -> i64 {
+        let x = match coordinate {
+            0..3 => self.center[coordinate],
+            _ => self.normal[coordinate - 3],
+        };
         // As `f64::total_cmp` has it.
         let bits = x.to_bits().cast_signed();
         bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
     }
 }
 
-/// The sides of faces, those between two of them once.
-fn sides<'a>(surface: &'a Surface, faces: &'a [FaceId]) -> impl Iterator<Item = DVec3> + 'a {
+/// From end to end of the sides of faces, of those between two of them once.
+fn edge_vectors<'a>(surface: &'a Surface, faces: &'a [FaceId]) -> impl Iterator<Item = DVec3> + 'a {
     faces.iter().enumerate().flat_map(move |(i, &face)| {
         let ends = surface.mesh.corners(face);
         let sides = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[0]]];

@@ -10,7 +10,6 @@ use cranny_exact::DVec3;
 use super::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 use super::{Surface, grow};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
-use crate::mesh::Mesh;
 use crate::patches::Patches;
 
 /// By how far, as a sine, an edge must be bent to be no line drawn on a plane. Zero would find
@@ -34,6 +33,11 @@ const ONE_LINE: f64 = 1e-8;
 /// Sine of the angle between two edges below which what is at right angles to both is not certain.
 /// Smaller: rounding turns it; larger: tips between narrow faces are not known.
 const LEAST_ANGLE: f64 = 1e-4;
+
+/// Vertices of more edges than this are not looked into, since each pair of their edges is compared
+/// with all: whether they are tips is unknown. Smaller: centres of caps bound nothing; larger: a fan
+/// of thousands of faces takes minutes.
+const MOST_EDGES: usize = 256;
 
 /// Cosine of the angle (30 degrees) between faces from which their edge is sharp. A smaller angle:
 /// regions of finely cut round bodies are measured in vain, whose vertices say how deep they are; a
@@ -61,7 +65,11 @@ pub struct Owned {
 }
 
 /// Which features count to each face.
-pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<Owned> {
+pub(super) fn owned(
+    surface: &Surface,
+    patches: &Patches,
+    (tips, is_ridge): (&[Tip], &[bool]),
+) -> Vec<Owned> {
     let Surface { mesh, topology, normals, .. } = surface;
     let key = |f: FaceId| (patches.patch_of_face(f), f);
     let is_sharp = |along: &[HalfEdgeId]| {
@@ -74,10 +82,11 @@ pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<O
         for (i, &corner) in corners.iter().enumerate() {
             let around = topology.faces_at(corner);
             owned.corners |= u8::from(around.iter().all(|&f| key(f) >= own)) << i;
-            let along = topology.half_edges(topology.edge_of(HalfEdgeId::of(face, i)));
+            let edge = topology.edge_of(HalfEdgeId::of(face, i));
+            let along = topology.half_edges(edge);
             let is_owned = along.iter().all(|h| key(h.face()) >= own);
             owned.sides |= u8::from(is_owned) << i;
-            let is_bent = may_be_ridge(mesh, along);
+            let is_bent = is_ridge[edge.index()];
             owned.ridges |= u8::from(is_owned && is_bent) << i;
             owned.bent |= u8::from(is_bent) << i;
             owned.sharp |= u8::from(is_sharp(along)) << i;
@@ -92,17 +101,21 @@ pub(super) fn owned(surface: &Surface, patches: &Patches, tips: &[Tip]) -> Vec<O
     (0..mesh.faces().len() as u32).map(|f| of(FaceId(f))).collect()
 }
 
-/// Whether the edge of these half-edges may cross another body's and make a contact.
-#[must_use]
-pub fn may_be_ridge(mesh: &Mesh, around: &[HalfEdgeId]) -> bool {
+/// Of each edge, whether it may cross another body's and make a contact.
+pub(super) fn ridges_of(surface: &Surface) -> Vec<bool> {
+    let edges = (0..surface.topology.edges().len() as u32).map(EdgeId);
+    edges.map(|edge| may_be_ridge(surface, surface.topology.half_edges(edge))).collect()
+}
+
+fn may_be_ridge(surface: &Surface, around: &[HalfEdgeId]) -> bool {
     let [h, g] = around else { return true };
     // Of faces that contradict each other, the normals say nothing of which way the edge is bent.
-    let start = |h: &HalfEdgeId| mesh.faces()[h.face().index()][h.corner()];
+    let start = |h: &HalfEdgeId| surface.mesh.faces()[h.face().index()][h.corner()];
     if start(h) == start(g) {
         return true;
     }
-    let [n, m] = [h, g].map(|h| mesh.area_vector(h.face()).normalize_or_zero());
-    let ends = mesh.triangle(h.face());
+    let [n, m] = [h, g].map(|h| surface.normal(h.face()));
+    let ends = surface.mesh.triangle(h.face());
     let along = (ends[(h.corner() + 1) % 3] - ends[h.corner()]).normalize_or_zero();
     let bend = n.cross(m);
     // Half the slack: in the pair's frame, rounding has the angle a little larger or smaller.
@@ -124,7 +137,7 @@ pub(super) struct Share<'a> {
 }
 
 impl Owners {
-    pub(super) fn of(surface: &Surface, groups: &[Vec<FaceId>]) -> Self {
+    pub(super) fn of(surface: &Surface, groups: &[Vec<FaceId>], is_ridge: &[bool]) -> Self {
         let Surface { mesh, topology, .. } = surface;
         let area = |face: FaceId| {
             let [a, b, c] = surface.triangle(face);
@@ -154,7 +167,7 @@ impl Owners {
         let mut edges = vec![Vec::new(); groups.len()];
         for edge in (0..topology.edges().len() as u32).map(EdgeId) {
             let around = topology.half_edges(edge);
-            if may_be_ridge(mesh, around)
+            if is_ridge[edge.index()]
                 && let Some(group) = largest(&mut around.iter().map(|h| h.face()))
             {
                 edges[group].push(edge);
@@ -320,21 +333,15 @@ impl Tip {
 
     fn of(surface: &Surface, vertex: VertexId) -> Self {
         let at = surface.places[vertex.index()];
-        let mut around: Vec<VertexId> = Vec::new();
-        for &face in surface.topology.faces_at(vertex) {
-            for other in surface.mesh.corners(face) {
-                if other != vertex && !around.contains(&other) {
-                    around.push(other);
-                }
-            }
+        let mut around = surface.vertices_of(surface.topology.faces_at(vertex));
+        around.retain(|&other| other != vertex);
+        if !(3..=MOST_EDGES).contains(&around.len()) {
+            return Self::Unknown;
         }
         let edges: Vec<DVec3> =
             around.iter().map(|v| (surface.places[v.index()] - at).normalize_or_zero()).collect();
-        if edges.len() < 3 {
-            return Self::Unknown;
-        }
-        // Whether a direction does, and the one against it.
-        let falls = |direction: DVec3| {
+        // Whether all edges fall away from a direction, and from the one against it.
+        let fall = |direction: DVec3| {
             let (mut falls, mut rises) = (true, true);
             for edge in &edges {
                 let along = edge.dot(direction);
@@ -358,7 +365,7 @@ impl Tip {
                 some = true;
                 let cross = cross / length;
                 let found =
-                    [cross, -cross].into_iter().zip(falls(cross)).filter(|(_, falls)| *falls);
+                    [cross, -cross].into_iter().zip(fall(cross)).filter(|(_, falls)| *falls);
                 let before = borders.len();
                 borders.extend(found.map(|(direction, _)| direction));
                 if borders.len() > before && length < LEAST_ANGLE {

@@ -27,11 +27,11 @@ mod wrenches;
 
 use cranny_exact::{Aabb, DVec3};
 
-pub use self::features::{Owned, may_be_ridge};
+pub use self::features::Owned;
 use self::features::{Owners, Tip};
 pub use self::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 pub use self::oriented::OrientedBox;
-use self::oriented::Points2;
+use self::oriented::PointPair;
 pub use self::wrenches::{WRENCH, WrenchBox, WrenchLanes};
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
@@ -168,9 +168,10 @@ impl ClusterTree {
             .collect();
         let surface = Surface { mesh, topology, places: &places, normals: &normals };
         let groups = grow::groups(&surface);
-        let owners = Owners::of(&surface, &groups);
+        let is_ridge = features::ridges_of(&surface);
+        let owners = Owners::of(&surface, &groups, &is_ridge);
         let tips = Tip::all(&surface);
-        let owned = features::owned(&surface, patches, &tips);
+        let owned = features::owned(&surface, patches, (&tips, &is_ridge));
         let built = build::build(&surface, &groups);
         let mut tree = Self {
             origin,
@@ -343,9 +344,9 @@ impl Surface<'_> {
     }
 
     /// Where vertices are, two at a time.
-    fn points_at(&self, vertices: &[VertexId]) -> impl Iterator<Item = Points2> {
+    fn points_at(&self, vertices: &[VertexId]) -> impl Iterator<Item = PointPair> {
         let at = |v: VertexId| self.places[v.index()];
-        vertices.chunks(2).map(move |two| Points2::of([at(two[0]), at(two[two.len() - 1])]))
+        vertices.chunks(2).map(move |two| PointPair::of([at(two[0]), at(two[two.len() - 1])]))
     }
 
     /// The vertices of some faces, each once, ascending.

@@ -30,6 +30,15 @@ const LEAST_SINE_SQUARED: f64 = 0.01;
 /// angles count.
 const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
+/// Points whose spread across a normal differs by no more than this share have no direction in
+/// which they spread most. Smaller: rounding chooses one, and boxes of like faces differ; larger:
+/// boxes lie askew of what they hold.
+const EVEN: f64 = 1.0 / (1 << 20) as f64;
+
+/// Areas that differ by no more than this share are the same. Smaller: rounding chooses between
+/// frames; larger: so does their order.
+const SAME_AREA: f64 = 1.0 / (1 << 30) as f64;
+
 /// How points spread about their mean.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spread {
@@ -69,7 +78,7 @@ impl Spread {
         }
     }
 
-    /// What the spread makes of a direction: the covariance, times the number of points.
+    /// The scatter matrix (the covariance times the number of points) times a vector.
     fn times(&self, u: DVec3) -> DVec3 {
         let (yz, zx, xy) = self.products.into();
         self.squares * u + DVec3::new(xy * u.y + zx * u.z, xy * u.x + yz * u.z, zx * u.x + yz * u.y)
@@ -88,6 +97,9 @@ pub(super) fn frame_along(spread: &Spread, normal: DVec3) -> Frame {
     // Principal direction of [[a, b], [b, c]], without a transcendental function.
     let half = 0.5 * (a - c);
     let root = (half * half + b * b).sqrt();
+    if root <= EVEN * (a + c) {
+        return [u, v, normal];
+    }
     let (x, y) = if half >= 0.0 { (half + root, b) } else { (b, root - half) };
     let along = (u * x + v * y).try_normalize().unwrap_or(u);
     [along, normal.cross(along), normal]
@@ -106,13 +118,13 @@ pub(super) fn frame_across(normal: DVec3, direction: DVec3) -> Option<Frame> {
 
 /// Two points side by side; of one, the same again.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Points2 {
+pub(super) struct PointPair {
     x: [f64; 2],
     y: [f64; 2],
     z: [f64; 2],
 }
 
-impl Points2 {
+impl PointPair {
     pub(super) fn of([p, q]: [DVec3; 2]) -> Self {
         Self { x: [p.x, q.x], y: [p.y, q.y], z: [p.z, q.z] }
     }
@@ -126,56 +138,57 @@ impl Points2 {
     }
 }
 
-/// How far points reach along a direction: least and most, in two parts. Points are numbers, so
-/// that comparisons do.
+/// How far points reach along a direction, two at a time. No coordinate is NaN, so that `<`
+/// suffices.
 #[derive(Clone, Copy)]
-struct Reach([f64; 2], [f64; 2]);
+struct Interval2 {
+    least: [f64; 2],
+    most: [f64; 2],
+}
 
-impl Reach {
-    const NONE: Self = Self([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+impl Interval2 {
+    const EMPTY: Self = Self { least: [f64::INFINITY; 2], most: [f64::NEG_INFINITY; 2] };
 
     fn add(&mut self, at: &[f64; 2]) {
         for (i, &x) in at.iter().enumerate() {
-            self.0[i] = if x < self.0[i] { x } else { self.0[i] };
-            self.1[i] = if x > self.1[i] { x } else { self.1[i] };
+            self.least[i] = if x < self.least[i] { x } else { self.least[i] };
+            self.most[i] = if x > self.most[i] { x } else { self.most[i] };
         }
     }
 
     /// From the least to the most.
     fn length(&self) -> f64 {
-        let least = self.0.into_iter().fold(f64::INFINITY, f64::min);
-        let most = self.1.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let least = self.least.into_iter().fold(f64::INFINITY, f64::min);
+        let most = self.most.into_iter().fold(f64::NEG_INFINITY, f64::max);
         most - least
     }
 }
 
 /// Half the surface of the box of points along a frame.
-pub(super) fn half_area<'p>(points: impl Iterator<Item = &'p Points2>, frame: &Frame) -> f64 {
-    let mut reach = [Reach::NONE; 3];
+pub(super) fn half_area_along<'p>(
+    points: impl Iterator<Item = &'p PointPair>,
+    frame: &Frame,
+) -> f64 {
+    let mut reach = [Interval2::EMPTY; 3];
     for two in points {
         for (reach, &axis) in reach.iter_mut().zip(frame) {
             reach.add(&two.along(axis));
         }
     }
     let [x, y, z] = reach.map(|reach| reach.length());
-    half_surface(DVec3::new(x, y, z))
-}
-
-/// Half the surface of a box of a size.
-pub(super) fn half_surface(size: DVec3) -> f64 {
-    size.x * size.y + size.y * size.z + size.z * size.x
+    x * y + y * z + z * x
 }
 
 /// Whether an area is less by more than rounding, so that of equals the first counts.
 pub(super) fn is_less(area: f64, than: f64) -> bool {
-    area < than * (1.0 - 1.0 / (1u64 << 30) as f64)
+    area < than * (1.0 - SAME_AREA)
 }
 
 /// The frame in which points have the smallest box, the first of equals.
-pub(super) fn best_frame(points: &[Points2], frames: impl Iterator<Item = Frame>) -> Frame {
+pub(super) fn best_frame(points: &[PointPair], frames: impl Iterator<Item = Frame>) -> Frame {
     let mut best = (f64::INFINITY, DVec3::AXES);
     for frame in frames {
-        let area = half_area(points.iter(), &frame);
+        let area = half_area_along(points.iter(), &frame);
         if is_less(area, best.0) {
             best = (area, frame);
         }
@@ -185,11 +198,14 @@ pub(super) fn best_frame(points: &[Points2], frames: impl Iterator<Item = Frame>
 
 impl OrientedBox {
     /// Around points, along a frame.
-    pub(super) fn around(points: &[Points2], frame: &Frame) -> Self {
+    pub(super) fn around<'p>(
+        points: impl Iterator<Item = &'p PointPair> + Clone,
+        frame: &Frame,
+    ) -> Self {
         let single = |v: DVec3| v.to_array().map(|x| x as f32);
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for p in points.iter().flat_map(Points2::each) {
+        for p in points.clone().flat_map(PointPair::each) {
             let at = DVec3::from_array(frame.map(|axis| axis.dot(p)));
             (least, most) = (least.min(at), most.max(at));
         }
@@ -198,7 +214,7 @@ impl OrientedBox {
         let axes = frame.map(single);
         let (stored, from) = (axes.map(double), double(center));
         let (mut half, mut radius) = (DVec3::ZERO, 0.0f64);
-        for p in points.iter().flat_map(Points2::each) {
+        for p in points.flat_map(PointPair::each) {
             let p = p - from;
             half = half.max(DVec3::from_array(stored.map(|axis| axis.dot(p).abs())));
             radius = radius.max(p.length());

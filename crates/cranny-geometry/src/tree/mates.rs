@@ -7,7 +7,6 @@
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::refit::half_area;
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -76,5 +75,5 @@ fn longest_side(&[a, b, c]: &[DVec3; 3]) -> usize {
 
 /// Whether the box of both faces is hardly larger than that of either.
 fn fit_in_one_box(a: &Aabb, b: &Aabb) -> bool {
-    2.0 * half_area(&a.union(b)) <= SNUG * (half_area(a) + half_area(b))
+    2.0 * a.union(b).half_area() <= SNUG * (a.half_area() + b.half_area())
 }

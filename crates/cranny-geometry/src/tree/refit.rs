@@ -37,12 +37,12 @@ pub struct GrownAreas(Vec<f64>);
 impl GrownAreas {
     /// Of nodes as they are now.
     pub fn of(nodes: &[Node]) -> Self {
-        Self(nodes.iter().map(|n| half_area(&n.bounds)).collect())
+        Self(nodes.iter().map(|n| n.bounds.half_area()).collect())
     }
 
     /// Whether a node divides no longer well, given its box now.
     pub(crate) fn has_spread(&self, node: u32, bounds: &Aabb) -> bool {
-        half_area(bounds) > SPREAD * self.0[node as usize]
+        bounds.half_area() > SPREAD * self.0[node as usize]
     }
 
     /// Of the trees of `new`, of which tree `i` is tree `kept(i)` of `old`, or was just grown.
@@ -56,7 +56,7 @@ impl GrownAreas {
         for tree in 0..new.len() {
             match kept(tree) {
                 Some(tree) => areas.extend_from_slice(&self.0[old.node_range(tree)]),
-                None => areas.extend(new.nodes(tree).iter().map(|n| half_area(&n.bounds))),
+                None => areas.extend(new.nodes(tree).iter().map(|n| n.bounds.half_area())),
             }
         }
         Self(areas)
@@ -144,7 +144,7 @@ impl FaceTree {
             if let Some(range) = self.regrow(node, mesh, leaf_size) {
                 end = range.end;
                 for n in range.clone() {
-                    grown.0[n as usize] = half_area(&self.node(n).bounds);
+                    grown.0[n as usize] = self.node(n).bounds.half_area();
                 }
                 changes.regrown.push(range);
             } else {
@@ -238,12 +238,6 @@ impl FaceTree {
         };
         (node..last + 1, start..end)
     }
-}
-
-/// Half the area of a box.
-pub(super) fn half_area(b: &Aabb) -> f64 {
-    let e = b.max - b.min;
-    e.x * e.y + e.y * e.z + e.z * e.x
 }
 
 #[cfg(test)]
