@@ -35,8 +35,8 @@ const ONE_LINE: f64 = 1e-8;
 const LEAST_ANGLE: f64 = 1e-4;
 
 /// Vertices of more edges than this are not looked into, since each pair of their edges is compared
-/// with all: whether they are tips is unknown. Smaller: centres of caps bound nothing; larger: a fan
-/// of thousands of faces takes minutes.
+/// with all: whether they are tips is unknown. Smaller: centres of caps bound nothing; larger: a
+/// fan of thousands of faces takes minutes.
 const MOST_EDGES: usize = 256;
 
 /// Cosine of the angle (30 degrees) between faces from which their edge is sharp. A smaller angle:
