@@ -1,15 +1,16 @@
 //! The sorted set of overlapping pairs, and its change from one update to the next.
 //!
-//! A pair is dropped when its boxes part, in three steps of three owners:
+//! A pair is dropped when its boxes part, in three steps, each with its own owner:
 //!
 //! 1. An index notices it: `SweepAndPrune` at a crossing of end points (`Crossing::Parted`, in
-//!    `sweep_and_prune`), `BoxTree` where a candidate no longer overlaps (`judge`, in `box_tree`).
+//!    `sweep_and_prune`), or where it is sorted anew since much has jumped (`SortedAxes::admit`),
+//!    `BoxTree` where a candidate no longer overlaps (`judge`, in `box_tree`).
 //!    `PairKeeper` ends the pairs of what was removed or has become stationary.
 //! 2. [`PairSet::apply`] takes it out of the set and makes [`OverlapEvent::Ended`] of it.
 //! 3. Whoever keeps something about pairs forgets it: `World::update_pairs` of `cranny-world` the
 //!    memory of its queries. rapier has a broad phase of its own, so `Simulation::forget_parted` of
 //!    `cranny-rapier` (`simulation/stepping.rs`) drops answers and searches of the pairs that
-//!    rapier has dropped, some steps later.
+//!    rapier has dropped, once these are the greater part of what is kept.
 
 use crate::{OverlapEvent, OverlapPair, ProxyId};
 

@@ -72,7 +72,8 @@ fn is_unnoticed(world: &World, entity: Entity) -> bool {
     let own = effects_of(world.entity(entity));
     let others = [EffectKind::Proximity, EffectKind::Contacts, EffectKind::Penetration];
     own.iter().chain(table.of_scene()).all(Effect::pushes)
-        && (table.names(EffectKind::Trigger) || !others.iter().any(|&kind| table.names(kind)))
+        && (table.has_plugin(EffectKind::Trigger)
+            || !others.iter().any(|&kind| table.has_plugin(kind)))
 }
 
 /// Hook of what an app says of a whole body: said of a part of one, it is refused.

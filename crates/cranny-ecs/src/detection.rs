@@ -99,12 +99,12 @@ impl DetectionPlugin {
             accuracy: effects.accuracy(),
             budget: effects.budget(),
             threads: options.thread_count(),
-            trigger: effects.names(EffectKind::Trigger),
-            proximity: effects.names(EffectKind::Proximity),
-            contacts: effects.names(EffectKind::Contacts),
-            penetration: effects.names(EffectKind::Penetration),
+            trigger: effects.has_plugin(EffectKind::Trigger),
+            proximity: effects.has_plugin(EffectKind::Proximity),
+            contacts: effects.has_plugin(EffectKind::Contacts),
+            penetration: effects.has_plugin(EffectKind::Penetration),
             program: options.contact_fields,
-            beside_solver: effects.names(EffectKind::Response),
+            beside_solver: effects.has_plugin(EffectKind::Response),
         }
     }
 }

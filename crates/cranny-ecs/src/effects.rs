@@ -213,7 +213,7 @@ impl EffectTable {
 
     /// Whether the app has the plugin of an effect.
     #[must_use]
-    pub fn names(&self, kind: EffectKind) -> bool {
+    pub fn has_plugin(&self, kind: EffectKind) -> bool {
         self.plugged.contains(&kind)
     }
 

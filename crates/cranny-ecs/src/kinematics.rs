@@ -59,7 +59,7 @@ fn mark(
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
-    let solved = effects.names(EffectKind::Response) && effects.responds(id);
+    let solved = effects.has_plugin(EffectKind::Response) && effects.responds(id);
     #[cfg(feature = "rapier")]
     let solved = solved || solver.is_some_and(|solver| solver.index(id).is_some());
     let mut entity = commands.entity(inserted.entity);

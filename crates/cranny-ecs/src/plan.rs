@@ -345,7 +345,7 @@ fn effect_read_by(name: &str, table: &EffectTable, readers: &ContactReaders) -> 
     };
     let verb = if ends.contains(" and ") { "read" } else { "reads" };
     let mut all = vec![format!("{ends} {verb} {}", fields_of(kind).join(", "))];
-    if kind == EffectKind::Trigger && table.names(EffectKind::Response) {
+    if kind == EffectKind::Trigger && table.has_plugin(EffectKind::Response) {
         all.push("CollisionStart reads point, normal, depth and impulse of the solver".to_owned());
     }
     all

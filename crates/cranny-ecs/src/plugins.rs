@@ -269,11 +269,11 @@ impl CrannyPlugins {
 
     fn checked(self) -> Result<Self, SceneAppError> {
         #[cfg(not(feature = "rapier"))]
-        if self.table().names(EffectKind::Response) {
+        if self.table().has_plugin(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
         let table = self.table();
-        go_together(|kind| table.names(kind))?;
+        go_together(|kind| table.has_plugin(kind))?;
         check_app_levels(&self.scene_effects, self.accuracy, self.budget)?;
         Ok(self)
     }
@@ -286,7 +286,7 @@ impl CrannyPlugins {
     /// Whether the app will have the plugin of an effect.
     #[must_use]
     pub fn has(&self, effect: EffectKind) -> bool {
-        self.table().names(effect)
+        self.table().has_plugin(effect)
     }
 
     /// Records every so many steps, and at the end.
@@ -319,7 +319,7 @@ impl CrannyPlugins {
 impl PluginGroup for CrannyPlugins {
     fn build(self) -> PluginGroupBuilder {
         let effects = self.table();
-        let named = |kind| effects.names(kind);
+        let named = |kind| effects.has_plugin(kind);
         let [trigger, proximity, contacts, penetration] = [
             EffectKind::Trigger,
             EffectKind::Proximity,
@@ -358,7 +358,7 @@ impl PluginGroup for CrannyPlugins {
             group = group.add(SimulatedTrackersPlugin);
         }
         #[cfg(feature = "rapier")]
-        if effects.names(EffectKind::Response) {
+        if effects.has_plugin(EffectKind::Response) {
             group = group.add(crate::response::ResponsePlugin {
                 gravity: self.gravity,
                 step: self.step,
@@ -368,15 +368,15 @@ impl PluginGroup for CrannyPlugins {
                 add_step: self.add_step,
             });
         }
-        if effects.names(EffectKind::Continuous) {
+        if effects.has_plugin(EffectKind::Continuous) {
             group = group.add(ContinuousPlugin);
         }
         #[cfg(feature = "rapier")]
-        if effects.names(EffectKind::Sound) {
+        if effects.has_plugin(EffectKind::Sound) {
             group = group.add(crate::sound::SoundPlugin);
         }
         #[cfg(feature = "rapier")]
-        if effects.names(EffectKind::Deformation) {
+        if effects.has_plugin(EffectKind::Deformation) {
             group = group.add(crate::deformation::DeformationPlugin);
         }
         if let Some(scene) = self.scene {
@@ -387,7 +387,7 @@ impl PluginGroup for CrannyPlugins {
                 .add(MotionPlugin { helices: self.options.helices.clone() })
                 .add(LinkPlugin { rings: self.options.rings.clone() });
             #[cfg(feature = "rapier")]
-            if effects.names(EffectKind::Response) {
+            if effects.has_plugin(EffectKind::Response) {
                 group = group.add(crate::energy::EnergyPlugin);
             }
         }

@@ -168,7 +168,7 @@ impl Plugin for ResponsePlugin {
         app.add_systems(CrannyStep, led);
         (self.add_step)(app);
         app.world_mut().resource_mut::<Tally>().depths_known |= hands_over;
-        let presses = app.world().resource::<EffectTable>().names(EffectKind::Trigger);
+        let presses = app.world().resource::<EffectTable>().has_plugin(EffectKind::Trigger);
         let supplies = hands_over && self.detection_present;
         if presses || supplies {
             let supply = ResponseSystems::Supply.in_set(DetectionSystems::Supply);

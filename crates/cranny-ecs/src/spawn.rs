@@ -155,7 +155,7 @@ impl SpawnScene {
         let body = &self.scene.bodies[index];
         let layers = layers_of(world, body);
         let since = world.resource::<SimulatedTime>().seconds();
-        let responds = world.resource::<EffectTable>().names(EffectKind::Response);
+        let responds = world.resource::<EffectTable>().has_plugin(EffectKind::Response);
         if body.tracker.is_some() && !world.contains_resource::<TrackingLog>() {
             let why = "the app simulates no devices: add SimulatedTrackersPlugin".to_owned();
             let body = body.name.clone();

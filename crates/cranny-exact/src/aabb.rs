@@ -83,7 +83,7 @@ impl Aabb {
         if self.is_empty() { 0.0 } else { (self.max - self.min).length() }
     }
 
-    /// Half the area of its surface (rounded); not a number for an empty box.
+    /// Half the area of its surface (rounded); infinite for an empty box.
     #[must_use]
     #[inline]
     pub fn half_area(&self) -> f64 {
@@ -166,6 +166,8 @@ mod tests {
         assert_eq!(Aabb::EMPTY.union(&unit_box_at(2.0)), unit_box_at(2.0));
         assert!(!Aabb::EMPTY.overlaps(&unit_box_at(0.0)));
         assert_eq!(Aabb::EMPTY.diagonal(), 0.0);
+        assert_eq!(Aabb::EMPTY.half_area(), f64::INFINITY);
+        assert_eq!(unit_box_at(3.0).half_area(), 3.0);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! The cap surface, which closes holes: the hull, minus the faces of the mesh that lie on it. A cap
-//! is closed over a hole, as that of a torus, in `CapSurface::cover`.
+//! The cap surface: the hull, minus the faces of the mesh that lie on it. Caps close holes, such as
+//! that of a torus, over which `CapSurface::close_facet` lays their triangles.
 //!
 //! Of every facet the *cap chain* is taken: the boundary of its triangles, divided where the mesh
 //! divides it ([`interface`]), minus the boundary of the faces that lie on it. Where nothing is
@@ -78,7 +78,7 @@ impl CapSurface {
         for (facet, chain) in chains.iter().filter(|(_, chain)| !chain.is_empty()) {
             let id = FacetId(*facet);
             surface.facet_starts.resize(id.index() + 1, surface.triangles.len() as u32);
-            surface.cover(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
+            surface.close_facet(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
         }
         surface.facet_starts.resize(hull.facet_count() + 1, surface.triangles.len() as u32);
         if surface.is_sound() {
@@ -112,7 +112,7 @@ impl CapSurface {
     }
 
     /// Triangulates a chain in its facet.
-    fn cover(
+    fn close_facet(
         &mut self,
         mesh: &Mesh,
         facet: Facet<'_>,

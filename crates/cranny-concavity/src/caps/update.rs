@@ -67,7 +67,7 @@ impl CapSurface {
         for (facet, chain) in chains.iter().filter(|(_, chain)| !chain.is_empty()) {
             let Some(row) = changed.get_mut(facet) else { continue };
             let id = FacetId(*facet);
-            made.cover(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
+            made.close_facet(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
             row.append(&mut made.triangles);
         }
         if !made.is_sound() {

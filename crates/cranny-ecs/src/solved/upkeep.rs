@@ -216,7 +216,7 @@ pub(crate) fn set_hooks(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodie
 /// Says whose contacts are read, in the solver's step.
 pub(crate) fn refresh_reading(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodies>) {
     let bodies = &mut *bodies;
-    if !bodies.reading_is_current && effects.names(EffectKind::Contacts) {
+    if !bodies.reading_is_current && effects.has_plugin(EffectKind::Contacts) {
         let count = bodies.known.last_key_value().map_or(0, |(index, _)| index.0 + 1);
         let ids = (0..count).map(|index| bodies.id(BodyIndex(index))).collect();
         let mut reading = bodies.reading();

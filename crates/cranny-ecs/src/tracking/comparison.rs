@@ -165,7 +165,7 @@ impl Present<'_, '_> {
     /// Compares a body with all others, but those beside which it counts already.
     fn compare_all(&self, kept: &mut ComparedBody, own: Tracked) -> Result<(), WorldError> {
         let Some(body) = self.both_poses(own) else { return Ok(()) };
-        let pushes = self.effects.names(EffectKind::Response);
+        let pushes = self.effects.has_plugin(EffectKind::Response);
         for (entity, other, at, kind) in &self.transforms {
             let pair = ordered(body.id, other.id);
             let Some(tolerance) = self.effects.tracked(pair.0, pair.1) else { continue };

@@ -26,14 +26,14 @@ const MOST_BY_NORMALS: usize = 256;
 /// third. Larger: building takes longer, for nodes that are hardly better.
 const MOST_BY_THIRDS: usize = 24;
 
-/// A cut replaces another if its weight is less than so much of the other's. Larger: rounding
+/// A cut replaces another if its weight is below this share of the best so far. Larger: rounding
 /// chooses; smaller: worse cuts stay because they came first.
 const BETTER: f64 = 0.999;
 
-/// Normals of a set whose sum is shorter than this share of their number cancel. Smaller: what
-/// rounding left of them is taken for a direction; larger: boxes of nearly closed sets lie along
-/// the body's axes.
-const CANCELLED: f64 = 1e-9;
+/// Normals of a set whose sum is shorter than this share of their number cancel: those of a cube in
+/// single precision leave 3e-8. Smaller: what rounding left of them is taken for a direction;
+/// larger: boxes of nearly closed sets lie along the body's axes.
+const CANCELLED: f64 = 1e-6;
 
 /// What the tree is made of.
 pub(super) struct Built {
@@ -249,7 +249,7 @@ impl Item {
     }
 }
 
-/// From end to end of the sides of faces, of those between two of them once.
+/// The vectors along the edges of some faces; an edge of two of them comes once.
 fn edge_vectors<'a>(surface: &'a Surface, faces: &'a [FaceId]) -> impl Iterator<Item = DVec3> + 'a {
     faces.iter().enumerate().flat_map(move |(i, &face)| {
         let ends = surface.mesh.corners(face);

@@ -34,10 +34,11 @@ const ONE_LINE: f64 = 1e-8;
 /// Smaller: rounding turns it; larger: tips between narrow faces are not known.
 const LEAST_ANGLE: f64 = 1e-4;
 
-/// Vertices of more edges than this are not looked into, since each pair of their edges is compared
-/// with all: whether they are tips is unknown. Smaller: centres of caps bound nothing; larger: a
-/// fan of thousands of faces takes minutes.
-const MOST_EDGES: usize = 256;
+/// Vertices of more edges than this are not examined, since each pair of their edges is compared
+/// with all: 8 million products. Whether they are tips is unknown, so that motion bounds nothing of
+/// what holds them (`tips_of_many_edges_are_not_known`). Smaller: centres of finely cut caps are
+/// among them; larger: a fan of thousands of faces takes minutes.
+pub(super) const MOST_EDGES: usize = 256;
 
 /// Cosine of the angle (30 degrees) between faces from which their edge is sharp. A smaller angle:
 /// regions of finely cut round bodies are measured in vain, whose vertices say how deep they are; a
@@ -68,7 +69,8 @@ pub struct Owned {
 pub(super) fn owned(
     surface: &Surface,
     patches: &Patches,
-    (tips, is_ridge): (&[Tip], &[bool]),
+    tips: &[Tip],
+    is_ridge: &[bool],
 ) -> Vec<Owned> {
     let Surface { mesh, topology, normals, .. } = surface;
     let key = |f: FaceId| (patches.patch_of_face(f), f);

@@ -12,13 +12,13 @@ use cranny_exact::DVec3;
 
 use super::Surface;
 use super::lanes::LANES;
-use super::oriented::{PointPair, Spread, frame_along, half_area_along};
+use super::oriented::{FILE_NOISE, PointPair, Spread, frame_along, half_area_along};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId};
 
-/// Cosine of the angle between a face's normal and that of its group at most: 18 degrees. Smaller
+/// Cosine of the angle between a face's normal and that of its group at most: 14 degrees. Smaller
 /// angles: curved surfaces fall into single faces; larger: groups are thicker, and more pairs of
 /// them come near.
-const LEAST_COSINE: f64 = 0.95;
+const LEAST_COSINE: f64 = 0.97;
 
 /// The common box of two groups has at most so many times the area of both. Larger: groups of a
 /// thread mix what lies apart; smaller: fewer are joined, and there are more nodes.
@@ -31,12 +31,7 @@ const ROUNDS: usize = 6;
 /// stay half full; more: what is nearly full is taken apart for little.
 const MOST_SHARED: usize = 6;
 
-/// Costs that differ below this bit of single precision (3 parts in 100,000) are the same: of a
-/// regular mesh most joins cost the same, and rounding of its coordinates shall not choose.
-/// Smaller: it does; larger: a worse join comes first.
-const RANK_BITS: u32 = 8;
-
-/// Faces that become a cluster; none in a group that was joined to another.
+/// Faces that become a cluster. Empty once joined to another group.
 #[derive(Clone, Default)]
 struct Group {
     faces: Vec<FaceId>,
@@ -77,11 +72,10 @@ impl Group {
     }
 }
 
-/// How good it is to join two groups.
+/// What it costs to join two groups.
 #[derive(Clone, Copy)]
 struct Join {
-    /// Ascending with the cost.
-    rank: u32,
+    cost: f64,
     /// Half the surface of the box over both.
     area: f64,
 }
@@ -102,14 +96,49 @@ impl Join {
         }
         let (area, alone) = (a.area_with(b, normal), a.area + b.area);
         if alone == 0.0 {
-            // Needles whose boxes have no area go with any neighbour, after all others.
-            return Some(Self { rank: u32::MAX, area });
+            // Two needles whose boxes have no area are joined after all others.
+            return Some(Self { cost: f64::INFINITY, area });
         }
         let growth = area / alone;
-        let cost = (growth * area.sqrt().sqrt()) as f32;
-        let rank = (cost.to_bits() + (1 << (RANK_BITS - 1))) >> RANK_BITS;
-        (growth <= MOST_GROWTH).then_some(Self { rank, area })
+        let cost = growth * area.sqrt().sqrt();
+        (growth <= MOST_GROWTH).then_some(Self { cost, area })
     }
+
+    /// What costs more than this costs more by more than rounding.
+    fn same_cost(&self) -> f64 {
+        self.cost * (1.0 + FILE_NOISE)
+    }
+}
+
+/// Two groups that may be joined.
+struct Offer {
+    pair: [u32; 2],
+    join: Join,
+    /// Offers of one cost have the same.
+    class: u32,
+}
+
+/// All pairs of neighbours that may be joined, the cheapest first; of those that cost the same, the
+/// lower pair.
+fn offers(surface: &Surface, groups: &[Group], group_of: &[u32]) -> Vec<Offer> {
+    let offer = |pair: [u32; 2]| {
+        let join = Join::of(surface, pair.map(|g| &groups[g as usize]))?;
+        Some(Offer { pair, join, class: 0 })
+    };
+    let mut offers: Vec<Offer> =
+        neighbours(surface, group_of).into_iter().filter_map(offer).collect();
+    offers.sort_unstable_by(|x, y| x.join.cost.total_cmp(&y.join.cost));
+    // A class begins where one ends: bounds that are fixed would lie between what is alike.
+    let (mut class, mut last) = (0, f64::NEG_INFINITY);
+    for offer in &mut offers {
+        if offer.join.cost > last {
+            class += 1;
+            last = offer.join.same_cost();
+        }
+        offer.class = class;
+    }
+    offers.sort_unstable_by_key(|offer| (offer.class, offer.pair));
+    offers
 }
 
 /// The faces of each cluster, 1 to [`LANES`].
@@ -118,27 +147,17 @@ pub(super) fn groups(surface: &Surface) -> Vec<Vec<FaceId>> {
     let mut groups: Vec<Group> = (0..count).map(|f| Group::of_face(surface, FaceId(f))).collect();
     let mut group_of: Vec<u32> = (0..count).collect();
     for _ in 0..ROUNDS {
-        let mut offers: Vec<([u32; 2], Join)> = neighbours(surface, &group_of)
-            .into_iter()
-            .filter_map(|pair| {
-                let join = Join::of(surface, pair.map(|g| &groups[g as usize]))?;
-                Some((pair, join))
-            })
-            .collect();
-        offers.sort_unstable_by_key(|(pair, join)| (join.rank, *pair));
         let mut is_taken = vec![false; groups.len()];
         let mut joined = false;
-        for ([i, j], Join { area, .. }) in offers {
+        for Offer { pair: [i, j], join, .. } in offers(surface, &groups, &group_of) {
             let (to, from) = (i as usize, j as usize);
             if is_taken[to] || is_taken[from] {
                 continue;
             }
             (is_taken[to], is_taken[from], joined) = (true, true, true);
             let moved = std::mem::take(&mut groups[from]);
-            for face in &moved.faces {
-                group_of[face.index()] = i;
-            }
-            groups[to].join(surface, &moved, area);
+            note(&moved, i, &mut group_of);
+            groups[to].join(surface, &moved, join.area);
         }
         if !joined {
             break;
@@ -166,14 +185,22 @@ fn neighbours(surface: &Surface, group_of: &[u32]) -> Vec<[u32; 2]> {
     pairs.into_iter().map(|pair| [(pair >> 32) as u32, pair as u32]).collect()
 }
 
-/// Shares out the faces of small groups, the smallest first, where their neighbours can take all.
+/// Notes that a group's faces belong to `group`.
+fn note(faces_of: &Group, group: u32, group_of: &mut [u32]) {
+    for face in &faces_of.faces {
+        group_of[face.index()] = group;
+    }
+}
+
+/// Shares out the faces of small groups, by their size at first, where their neighbours can take
+/// all.
 fn share_out(surface: &Surface, groups: &mut [Group], group_of: &mut [u32]) {
     let is_small = |group: &Group| (1..=MOST_SHARED).contains(&group.faces.len());
     let mut small: Vec<(usize, u32)> = groups
         .iter()
         .zip(0..)
-        .filter(|(g, _)| is_small(g))
-        .map(|(g, i)| (g.faces.len(), i))
+        .filter(|(group, _)| is_small(group))
+        .map(|(group, i)| (group.faces.len(), i))
         .collect();
     small.sort_unstable();
     for (_, i) in small {
@@ -181,26 +208,24 @@ fn share_out(surface: &Surface, groups: &mut [Group], group_of: &mut [u32]) {
         if !is_small(&groups[i as usize]) {
             continue;
         }
-        let Some(larger) = neighbours_with_all(surface, groups, group_of, i) else { continue };
+        let Some(larger) = larger_by(surface, groups, group_of, i) else { continue };
         groups[i as usize] = Group::default();
         for (to, group) in larger {
-            for face in &group.faces {
-                group_of[face.index()] = to;
-            }
+            note(&group, to, group_of);
             groups[to as usize] = group;
         }
     }
 }
 
-/// What the neighbours of a group become that take its faces; `None` where one is left over.
-fn neighbours_with_all(
+/// Returns the neighbours of a group after they took all its faces, or `None` if a face fits
+/// nowhere. Neighbours share a manifold edge: about one of many faces, all would be compared.
+fn larger_by(
     surface: &Surface,
     groups: &[Group],
     group_of: &[u32],
     small: u32,
 ) -> Option<BTreeMap<u32, Group>> {
     let mut larger: BTreeMap<u32, Group> = BTreeMap::new();
-    let mut taken: BTreeMap<FaceId, u32> = BTreeMap::new();
     let mut left = groups[small as usize].faces.clone();
     while !left.is_empty() {
         let before = left.len();
@@ -208,15 +233,22 @@ fn neighbours_with_all(
             let single = Group::of_face(surface, face);
             let beside = |corner: usize| {
                 let next = surface.topology.twin(HalfEdgeId::of(face, corner))?.face();
-                let to = *taken.get(&next).unwrap_or(&group_of[next.index()]);
+                let holds = |(_, group): &(&u32, &Group)| group.faces.contains(&next);
+                let to = larger.iter().find(holds).map_or(group_of[next.index()], |(&to, _)| to);
+                if to == small {
+                    return None;
+                }
                 let into = larger.get(&to).unwrap_or(&groups[to as usize]);
-                Some((to, Join::of(surface, [into, &single])?)).filter(|_| to != small)
+                Some((to, Join::of(surface, [into, &single])?))
             };
-            let best = (0..3).filter_map(beside).min_by_key(|(to, join)| (join.rank, *to));
+            let mut offers: Vec<(u32, Join)> = (0..3).filter_map(beside).collect();
+            let least =
+                offers.iter().map(|(_, join)| join.same_cost()).fold(f64::INFINITY, f64::min);
+            offers.retain(|(_, join)| join.cost <= least);
+            let best = offers.into_iter().min_by_key(|(to, _)| *to);
             if let Some((to, join)) = best {
                 let into = larger.entry(to).or_insert_with(|| groups[to as usize].clone());
                 into.join(surface, &single, join.area);
-                taken.insert(face, to);
             }
             best.is_none()
         });

@@ -171,7 +171,7 @@ impl ClusterTree {
         let is_ridge = features::ridges_of(&surface);
         let owners = Owners::of(&surface, &groups, &is_ridge);
         let tips = Tip::all(&surface);
-        let owned = features::owned(&surface, patches, (&tips, &is_ridge));
+        let owned = features::owned(&surface, patches, &tips, &is_ridge);
         let built = build::build(&surface, &groups);
         let mut tree = Self {
             origin,

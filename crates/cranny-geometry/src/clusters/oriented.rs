@@ -30,14 +30,11 @@ const LEAST_SINE_SQUARED: f64 = 0.01;
 /// angles count.
 const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
-/// Points whose spread across a normal differs by no more than this share have no direction in
-/// which they spread most. Smaller: rounding chooses one, and boxes of like faces differ; larger:
-/// boxes lie askew of what they hold.
-const EVEN: f64 = 1.0 / (1 << 20) as f64;
-
-/// Areas that differ by no more than this share are the same. Smaller: rounding chooses between
-/// frames; larger: so does their order.
-const SAME_AREA: f64 = 1.0 / (1 << 30) as f64;
+/// By how much, as a share, what is alike in a mesh may differ: lengths of faces a sixty-fourth as
+/// wide as a body are off by 4e-6 in a file in single precision, and what is made of them by a few
+/// times that. Smaller: rounding decides between them (`a_plane_falls_into_full_and_flat_clusters`);
+/// larger: what is worse comes first.
+pub(super) const FILE_NOISE: f64 = 3e-5;
 
 /// How points spread about their mean.
 #[derive(Clone, Copy, Debug, Default)]
@@ -97,7 +94,7 @@ pub(super) fn frame_along(spread: &Spread, normal: DVec3) -> Frame {
     // Principal direction of [[a, b], [b, c]], without a transcendental function.
     let half = 0.5 * (a - c);
     let root = (half * half + b * b).sqrt();
-    if root <= EVEN * (a + c) {
+    if root <= FILE_NOISE * (a + c) {
         return [u, v, normal];
     }
     let (x, y) = if half >= 0.0 { (half + root, b) } else { (b, root - half) };
@@ -181,7 +178,7 @@ pub(super) fn half_area_along<'p>(
 
 /// Whether an area is less by more than rounding, so that of equals the first counts.
 pub(super) fn is_less(area: f64, than: f64) -> bool {
-    area < than * (1.0 - SAME_AREA)
+    area < than * (1.0 - FILE_NOISE)
 }
 
 /// The frame in which points have the smallest box, the first of equals.

@@ -7,7 +7,7 @@
 //! checks, from the outcome alone, that no point moved farther than the weld distance and that
 //! nothing is missing and nothing is new.
 //!
-//! Holes are not filled by any policy: a lid where none was filed is no repair but an invention.
+//! Holes are not filled by any policy: faces that the file does not have are an invention.
 //!
 //! Source: simplicial maps are those of Munkres (1984, "Elements of algebraic topology", section
 //! 2); what is mended and in which order is this crate's own, and the proof trusts none of it.

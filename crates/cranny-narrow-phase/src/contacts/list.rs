@@ -23,17 +23,18 @@ use crate::surface::FacePair;
 use crate::tally::Tally;
 use cranny_geometry::triangle_distance::Part;
 
-/// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again;
-/// more: they are long.
-const STEPS: f64 = 8.0;
+/// A skin is meant to last for so many steps like the last. Smaller: lists are made again and
+/// again; larger: they are long.
+const SKIN_STEPS: f64 = 8.0;
 
-/// It is no less than this part of the margin, so that bodies at rest keep it, and no more than the
-/// next but for long faces.
-const LEAST: f64 = 0.125;
-const MOST: f64 = 0.5;
+/// A skin is at least this part of the margin, so that bodies at rest keep their list.
+const LEAST_SKIN: f64 = 0.125;
 
-/// It is no more than this part of a face's length, or the margin's above. Larger: lists hold what
-/// never comes near.
+/// It is at most this part of the margin, except where faces are long ([`OF_FACE`]).
+const MOST_SKIN: f64 = 0.5;
+
+/// A skin is at most this part of a face's length where that is more than [`MOST_SKIN`] allows.
+/// Larger: lists hold what never comes near.
 const OF_FACE: f64 = 0.15;
 
 /// A skin that lasts for fewer steps than this is not worth its list.
@@ -167,8 +168,8 @@ impl ContactMemory {
             return Some(now);
         };
         let length = Side::BOTH.map(|side| face_length(pair, side));
-        let most = (OF_FACE * length[0].min(length[1])).max(MOST * margin);
-        let skin = (STEPS * moved).max(LEAST * margin).min(most);
+        let most = (OF_FACE * length[0].min(length[1])).max(MOST_SKIN * margin);
+        let skin = (SKIN_STEPS * moved).max(LEAST_SKIN * margin).min(most);
         if skin < WORTH * moved || skin <= 0.0 {
             return Some(now);
         }

@@ -11,7 +11,7 @@
 //! these do not say how deep, `walls` have the contacts of their region.
 //!
 //! The search hands over candidates, pairs of features with a lower bound of their distance; they
-//! are listed by pairs of patches, and of each pair those are evaluated that can still win, last
+//! are listed by pairs of patches, and those that can still win their pair are evaluated, the last
 //! query's winner first (`list`). While bodies move little, the list lasts.
 //!
 //! The answer is a function of models, poses and margin: memory holds what cannot be left out, and
@@ -45,15 +45,14 @@ use crate::search::Meets;
 use crate::surface::FacePair;
 use crate::tally::Tally;
 
-/// Where a body has fewer faces, contacts of an overlap are those of its regions. More: curves are
-/// followed for what vertices and edges say as well; fewer: sides that overlap lose the contacts
-/// where an edge of one passes over an edge of the other, since vertices inside alone are seen
-/// then. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
-/// (`a_hook_holds_at_an_edge`).
+/// If one of two bodies has fewer faces, the contacts of an overlap come from its regions. Larger:
+/// curves are traced although vertices and edges give the contacts; smaller: coarse bodies lose
+/// contacts that regions alone show. A hook of 20 faces then keeps those at its tip, tips over and
+/// slips off (`a_hook_holds_at_an_edge`).
 const SMALL: usize = 64;
 
-/// Whether [`Demand::Contacts`](crate::Demand) makes the contacts of an overlap of two models from
-/// its regions: where one of them has fewer than 64 faces, and both are closed. (Regions of open
+/// True if [`Demand::Contacts`](crate::Demand) takes the contacts of an overlap of two models from
+/// its regions: both are closed, and at least one has fewer than 64 faces. (Regions of open
 /// surfaces have no depth.)
 #[must_use]
 pub fn overlaps_by_regions(models: [&Model; 2]) -> bool {
@@ -127,7 +126,8 @@ pub(crate) fn near_patches(
 /// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order.
 /// Where surfaces touch, gaps may be negative by rounding.
 ///
-/// Cost: as of [`near_patches`], but near-linear in the features within the margin.
+/// Cost: near-linear in the features within the margin; unlike [`near_patches`], it looks for no
+/// vertices inside.
 pub(crate) fn across_gaps(
     pair: &Pair,
     margin: f64,
