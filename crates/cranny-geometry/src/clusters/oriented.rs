@@ -32,8 +32,8 @@ const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
 /// By how much, as a share, what is alike in a mesh may differ: lengths of faces a sixty-fourth as
 /// wide as a body are off by 4e-6 in a file in single precision, and what is made of them by a few
-/// times that. Smaller: rounding decides between them (`a_plane_falls_into_full_and_flat_clusters`);
-/// larger: what is worse comes first.
+/// times that. Smaller: rounding decides (`a_plane_falls_into_full_and_flat_clusters`); larger:
+/// what is worse comes first.
 pub(super) const FILE_NOISE: f64 = 3e-5;
 
 /// How points spread about their mean.
