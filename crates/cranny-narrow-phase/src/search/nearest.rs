@@ -7,13 +7,13 @@ use cranny_geometry::clusters::LANES;
 
 use super::apart::FacePairs;
 use super::cut::Cut;
-use super::descent::{Visitor, descend};
+use super::descent::{Order, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
 use crate::closest::NearestFaces;
 use crate::pair::Side;
-use crate::surface::{FacePair, looked_at};
+use crate::surface::looked_at;
 use crate::tally::Tally;
 
 struct Nearest<'s, 'g, 'p, 'm> {
@@ -23,12 +23,12 @@ struct Nearest<'s, 'g, 'p, 'm> {
     pairs: FacePairs,
     /// Whether faces are looked for that meet: the first ends the search.
     judges: bool,
-    met: Option<FacePair>,
+    meet: bool,
 }
 
 impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
     fn new(ground: &'g Ground<'m>, faces: &'s mut NearestFaces<'p, 'm>) -> Self {
-        Self { ground, faces, pairs: FacePairs::new(), judges: false, met: None }
+        Self { ground, faces, pairs: FacePairs::new(), judges: false, meet: false }
     }
 
     /// Notes the faces of two clusters that may be nearest.
@@ -68,7 +68,7 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         for &(gap, [f, g]) in near.iter() {
             if self.judges && gap <= 0.0 {
-                self.met = self.met.or_else(|| looked_at(self.faces.pair(), f, g, counters));
+                self.meet |= looked_at(self.faces.pair(), f, g, counters).is_some();
             }
             if gap <= bound {
                 self.faces.offer(f, g, counters);
@@ -79,6 +79,8 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
 }
 
 impl Visitor for Nearest<'_, '_, '_, '_> {
+    const ORDER: Order = Order::Nearest;
+
     fn reach(&self) -> f64 {
         self.faces.limit()
     }
@@ -96,31 +98,21 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
         if !self.pairs.is_empty() {
             self.measure(counters);
         }
-        if self.met.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.meet { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
 /// Offers all faces that may be nearest; the fewer, the nearer those are that have been offered
-/// before.
+/// before. `judges`: ends at the first that meet, and returns whether there are any.
 pub(crate) fn nearest_faces<'p, 'm>(
     ground: &Ground<'m>,
-    faces: &mut NearestFaces<'p, 'm>,
+    (faces, judges): (&mut NearestFaces<'p, 'm>, bool),
     counters: &mut impl Tally,
-) {
-    // Nothing ends it.
-    let _ = descend(ground, &mut Nearest::new(ground, faces), counters);
-}
-
-/// The same, or two faces that meet.
-pub(crate) fn nearest_or_meeting<'p, 'm>(
-    ground: &Ground<'m>,
-    faces: &mut NearestFaces<'p, 'm>,
-    counters: &mut impl Tally,
-) -> Option<FacePair> {
-    let mut nearest = Nearest { judges: true, ..Nearest::new(ground, faces) };
+) -> bool {
+    let mut nearest = Nearest { judges, ..Nearest::new(ground, faces) };
     // Who ends it knows.
     let _ = descend(ground, &mut nearest, counters);
-    nearest.met
+    nearest.meet
 }
 
 /// The same as [`nearest_faces`] among the clusters that a cut lists, which reaches at least as far

@@ -161,6 +161,30 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!((1..50_000).contains(&held), "{held}");
 }
 
+/// Rings in each other's holes, wide apart: the cut that a verdict has built reaches less than the
+/// distance, and one that reaches twice that would list most of both.
+#[test]
+fn a_wide_gap_is_followed_for_less_than_a_search() {
+    let ring = shape(Torus { major_segments: 96, minor_segments: 24, ..Torus::default() });
+    let (mut memory, mut warm, mut cold) = (PairMemory::default(), 0, 0);
+    let demand = Demand::Distance { below: None };
+    for frame in 0..60 {
+        let angle = 1.5 + 0.002 * f64::from(frame);
+        let rotation = DQuat::from_axis_angle(DVec3::X, angle);
+        let away = DVec3::X * (0.9 - 0.004 * f64::from(frame));
+        let a = Placed { model: &ring, pose: Pose::IDENTITY };
+        let b = Placed { model: &ring, pose: Pose { rotation, translation: away } };
+        let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+        let alone = ask(a, b, demand);
+        assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
+        assert!(answer.distance.unwrap() > 0.2, "frame {frame}");
+        let work = |c: &Counters| c.node_tests + c.front_tested + c.cluster_tests;
+        warm += work(&answer.counters);
+        cold += work(&alone.counters);
+    }
+    assert!(2 * warm < cold, "{warm} of {cold}");
+}
+
 /// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
 /// most of the two rings.
 #[test]

@@ -83,6 +83,7 @@ fn moved(degrees: &[f64]) -> Vec<Case> {
     add("tori 1k linked in contact", &[0.1], MANY, ALL, |d, n| tori(1, -0.01, d, n));
     let paces = [0.01, 0.1, 1.0, 3.0];
     add("tori 10k linked near", &paces, MANY, APART, |d, n| tori(10, 0.025, d, n));
+    add("tori 10k linked wide apart", &[0.1, 1.0], MANY, APART, |d, n| tori(10, 0.4, d, n));
     add("tori 10k linked in contact", &paces, MANY, ALL, |d, n| tori(10, -0.01, d, n));
     add("tori 10k linked deep", &[0.1], MANY, ALL, |d, n| tori(10, -0.05, d, n));
     add("tori 100k linked near", &[0.1], FEW, APART, |d, n| tori(100, 0.025, d, n));
