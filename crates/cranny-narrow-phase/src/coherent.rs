@@ -25,8 +25,9 @@ use crate::tally::Tally;
 /// whenever the last of them have parted.
 const KEPT_CROSSINGS: usize = 8;
 
-/// A cut for verdicts reaches so many steps of the motion. Fewer: which solid lies inside which is
-/// decided anew; more: more clusters are listed.
+/// A cut for verdicts reaches so many steps of the motion, and one for distances so many beyond the
+/// distance. Fewer: which solid lies inside which is decided anew, and small distances outgrow it;
+/// more: more clusters are listed.
 const STEPS: f64 = 2.0;
 
 /// And looks so many steps farther. Fewer: what is just beyond its reach is tested in every query;
@@ -36,17 +37,18 @@ const SPARE_STEPS: f64 = 2.0;
 /// And no farther than this part of the smaller body: after a jump, the next step is none.
 const MOST_AHEAD: f64 = 1.0 / 64.0;
 
-/// A cut for distances reaches so many times the distance. Less: it is outgrown sooner; more: more
-/// clusters are listed.
+/// A cut for distances reaches so many times the distance at least. Less: it is outgrown sooner;
+/// more: more clusters are listed.
 const GROWTH: f64 = 1.05;
 
-/// And is built anew where it reaches more than so many times the distance.
+/// And is built anew where it reaches more than so many times what it would be built for.
 const FARTHEST: f64 = 6.0;
 
-/// No cut for distances is followed or built after a step of more than this part of the smaller
-/// body: the faces that were nearest before are anywhere now, and a cut that reaches so far lists
-/// most clusters. Smaller: fast motion is not followed; larger: random poses take ten times as long
-/// with memory as without (`random_poses_are_measured_without_a_cut`).
+/// After a step of more than this part of the smaller body, no cut for distances is followed or
+/// built, and a crossing is looked for before distances are measured: the faces that were nearest
+/// before are anywhere now, and a cut that reaches so far lists most clusters. Smaller: fast motion
+/// is not followed; larger: random poses take ten times as long with memory as without
+/// (`random_poses_are_measured_without_a_cut`).
 const JUMP: f64 = 0.25;
 
 /// A cut for contacts is built anew where it reaches more than so many times what is wanted. Less:
@@ -161,10 +163,10 @@ impl Coherent {
                 (surface, found)
             }
             None => {
-                // Without a distance to begin with, a crossing is come across late; and where faces
-                // crossed before, they mostly do.
-                let is_near = step <= JUMP * smaller_radius(pair) && self.nearest.is_some();
-                if let Some(below) = below.filter(|_| keeps && is_near) {
+                // Without a distance to begin with, or after a jump, a crossing is come across
+                // late; and where faces crossed before, they mostly do.
+                let is_followed = step <= JUMP * smaller_radius(pair) && self.nearest.is_some();
+                if let Some(below) = below.filter(|_| keeps && is_followed) {
                     let mut nearest = self.seeded(pair, below, counters);
                     if !nearest_faces(&ground, (&mut nearest, true), counters) {
                         self.measured = Some(nearest.found());
@@ -288,8 +290,8 @@ impl Coherent {
             let step = self.last_step(pair);
             let (ahead, spare) = ahead(pair, step);
             let build = (GROWTH * limit).max(limit + ahead);
-            let outgrown = build;
-            let reach = Reach { least: limit, build, outgrown, spare, most: FARTHEST * limit };
+            let most = FARTHEST * build;
+            let reach = Reach { least: limit, build, outgrown: build, spare, most };
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
                 true => self.cut.at(pair, &ground, reach, counters),
                 false => None,

@@ -1,5 +1,6 @@
 //! One descent of two search trees for every question.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::closing::Closing;
@@ -18,13 +19,14 @@ pub(crate) enum Order {
     /// Of what is beside each other, the nearest; of boxes that overlap, the one that does so most
     /// centrally.
     Nearest,
-    /// Of all that waits, what overlaps most centrally: likeliest to cross.
+    /// Of all that waits, what overlaps most centrally: likeliest to cross. After [`CHOSEN`] times,
+    /// of what is beside each other.
     Crossing,
 }
 
-/// A search for a crossing chooses so many times among all that waits; then it takes what came
-/// last. 16: crossings of few faces are found later; 1,000: a search that finds none compares what
-/// waits as long as it compares boxes.
+/// A search for a crossing chooses so many times among all that waits. 16: crossings of few faces
+/// are found later; 1,000: a search that finds none compares what waits as long as it compares
+/// boxes.
 const CHOSEN: u32 = 64;
 
 /// What one level deeper is worth beside shares by which boxes overlap. None: nodes that share
@@ -62,10 +64,14 @@ struct Pending {
     closing: [f32; 2],
 }
 
+/// What is to be looked at first is taken from the end.
+fn last_first(x: &Pending, y: &Pending) -> Ordering {
+    y.order.total_cmp(&x.order)
+}
+
 /// Which of those that wait is likeliest to cross; of several, the last.
 fn most_promising(stack: &[Pending]) -> usize {
-    let order = |i: &usize| stack[*i].order;
-    (0..stack.len()).rev().min_by(|i, j| order(i).total_cmp(&order(j))).unwrap_or(0)
+    (0..stack.len()).max_by(|&i, &j| last_first(&stack[i], &stack[j])).unwrap_or(0)
 }
 
 /// Descends from the top, in the visitor's order.
@@ -82,6 +88,9 @@ pub(crate) fn descend<V: Visitor>(
     while let Some(last) = stack.len().checked_sub(1) {
         let next = if chosen > 0 { most_promising(&stack) } else { last };
         let Pending { gap, depth, at, closing, .. } = stack.swap_remove(next);
+        if chosen == 1 {
+            stack.sort_by(last_first);
+        }
         chosen = chosen.saturating_sub(1);
         let reach = visitor.reach();
         if gap > reach {
@@ -109,7 +118,9 @@ pub(crate) fn descend<V: Visitor>(
             None => (f32x8::splat(ground.reach(side, reach)), [0.0; LANES]),
         };
         let near = within(gaps, far) & node.mask();
-        let overlaps = overlaps.to_array();
+        // What overflows is no number, and its sign another on each machine.
+        let is_certain = ground.reach(side, 0.0).is_finite();
+        let overlaps = if is_certain { overlaps.to_array() } else { [0.0; LANES] };
         let (gaps, start) = (gaps.to_array(), stack.len());
         for lane in lanes_of(near) {
             let mut next = at;
@@ -125,10 +136,8 @@ pub(crate) fn descend<V: Visitor>(
             };
             stack.push(Pending { gap, order, depth: depth + 1.0, at: next, closing: next_closing });
         }
-        let new = &mut stack[start..];
-        if V::ORDER == Order::Nearest && new.len() > 1 {
-            // What is pushed last is popped first.
-            new.sort_unstable_by(|x, y| y.order.total_cmp(&x.order));
+        if V::ORDER != Order::Any && chosen == 0 {
+            stack[start..].sort_by(last_first);
         }
     }
     ControlFlow::Continue(())

@@ -67,8 +67,8 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         let near = &mut near[..count];
         near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         for &(gap, [f, g]) in near.iter() {
-            if self.judges && gap <= 0.0 {
-                self.meet |= looked_at(self.faces.pair(), f, g, counters).is_some();
+            if self.judges && !self.meet && gap <= 0.0 {
+                self.meet = looked_at(self.faces.pair(), f, g, counters).is_some();
             }
             if gap <= bound {
                 self.faces.offer(f, g, counters);

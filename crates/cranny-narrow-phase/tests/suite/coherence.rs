@@ -161,28 +161,70 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!((1..50_000).contains(&held), "{held}");
 }
 
-/// Rings in each other's holes, wide apart: the cut that a verdict has built reaches less than the
-/// distance, and one that reaches twice that would list most of both.
-#[test]
-fn a_wide_gap_is_followed_for_less_than_a_search() {
+/// What distances of rings in each other's holes take, with memory and without, over some frames
+/// in which the second moves along; and how often a cut was given up.
+fn distance_frames(along: impl Fn(f64) -> f64) -> [u64; 3] {
     let ring = shape(Torus { major_segments: 96, minor_segments: 24, ..Torus::default() });
-    let (mut memory, mut warm, mut cold) = (PairMemory::default(), 0, 0);
+    let (mut memory, mut warm, mut cold, mut rebuilt) = (PairMemory::default(), 0, 0, 0);
     let demand = Demand::Distance { below: None };
     for frame in 0..60 {
-        let angle = 1.5 + 0.002 * f64::from(frame);
-        let rotation = DQuat::from_axis_angle(DVec3::X, angle);
-        let away = DVec3::X * (0.9 - 0.004 * f64::from(frame));
+        let time = f64::from(frame);
+        let rotation = DQuat::from_axis_angle(DVec3::X, 1.5 + 0.002 * time);
         let a = Placed { model: &ring, pose: Pose::IDENTITY };
-        let b = Placed { model: &ring, pose: Pose { rotation, translation: away } };
+        let pose = Pose { rotation, translation: along(time) * DVec3::X };
+        let b = Placed { model: &ring, pose };
         let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
         let alone = ask(a, b, demand);
         assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
-        assert!(answer.distance.unwrap() > 0.2, "frame {frame}");
+        assert_eq!(answer.surface, Meeting::None, "frame {frame}");
         let work = |c: &Counters| c.node_tests + c.front_tested + c.cluster_tests;
         warm += work(&answer.counters);
         cold += work(&alone.counters);
+        rebuilt += answer.counters.front_rebuilt;
     }
-    assert!(2 * warm < cold, "{warm} of {cold}");
+    [warm, cold, rebuilt]
+}
+
+/// The cut that a verdict has built reaches less than the distance; one that reached twice that
+/// would list most of both bodies.
+#[test]
+fn a_wide_gap_is_followed_for_less_than_a_search() {
+    let [warm, cold, _] = distance_frames(|time| 0.9 - 0.004 * time);
+    assert!(2 * warm < cold, "closing: {warm} of {cold}");
+    let [warm, cold, _] = distance_frames(|time| 0.66 + 0.004 * time);
+    assert!(2 * warm < cold, "opening: {warm} of {cold}");
+}
+
+/// A step of the motion is longer than the gap: the cut that reaches two steps is kept.
+#[test]
+fn a_gap_smaller_than_a_step_is_followed() {
+    let [warm, cold, rebuilt] = distance_frames(|time| 0.4005 + 0.0002 * (time % 2.0));
+    assert!(2 * warm < cold && rebuilt < 20, "{warm} of {cold}, {rebuilt}");
+}
+
+/// A search for a crossing goes where boxes overlap most centrally, and goes back from a choice in
+/// vain: first come what crosses, not all that is near it.
+#[test]
+fn a_crossing_is_come_across_early() {
+    let bolt = IsoBolt { segments: 36, length: Some(16.0), ..IsoBolt::default() };
+    let nut = IsoNut { segments: 36, height: Some(6.0), ..IsoNut::default() };
+    let (bolt, nut) = (shape(bolt), shape(nut));
+    let (mut found, mut nodes, mut clusters) = (0, 0, 0);
+    for k in 0..60 {
+        let rotation = DQuat::from_axis_angle(DVec3::Z, 0.1 * f64::from(k));
+        let translation = DVec3::new(0.1, 0.05, 8.0 + 0.03 * f64::from(k));
+        let b = Placed { model: &nut, pose: Pose { rotation, translation } };
+        let a = Placed { model: &bolt, pose: Pose::IDENTITY };
+        let answer = ask(a, b, Demand::Intersects);
+        if answer.surface == Meeting::Cross {
+            found += 1;
+            nodes += answer.counters.node_tests;
+            clusters += answer.counters.cluster_tests;
+        }
+    }
+    assert!(found > 40, "{found}");
+    // The other way round it takes 57,000 and 6,400.
+    assert!(nodes < 200 * found && clusters < 25 * found, "{nodes} and {clusters} of {found}");
 }
 
 /// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
