@@ -47,10 +47,11 @@ pub struct ProximityPair {
     /// The most that the distance can be: `distance`, but at a level or within a budget.
     pub at_most: f64,
     /// A point of each that realises `distance`, world coordinates; at a level or within a budget,
-    /// the nearest that were tested in this step. `None` where a budget left no test for the pair.
+    /// the nearest that were tested in this step. `None` where surfaces cross, as the distance is 0
+    /// in many places, and where a budget left no test for the pair.
     pub points: Option<[DVec3; 2]>,
     /// How fast the points approach each other, units of length / second: < 0 where they part, 0
-    /// where the surfaces meet.
+    /// where the surfaces meet. `None` where they are apart and `points` is `None`.
     pub speed: Option<f64>,
 }
 
@@ -115,11 +116,12 @@ fn report_distances(
         if within.is_none_or(|within| distance >= within) {
             continue;
         }
-        let speed = points.map(|points| {
+        let along = points.map(|points| {
             let way = (points[1] - points[0]).normalize_or_zero();
             let [of_a, of_b] = [0, 1].map(|k| velocities.at(&bodies, ids[k], points[k]));
             (of_a - of_b).dot(way)
         });
+        let speed = if at_most == 0.0 { Some(0.0) } else { along };
         report.pairs.push(ProximityPair { body, other, ids, distance, at_most, points, speed });
     }
     report.pairs.sort_by_key(|pair| pair.ids);

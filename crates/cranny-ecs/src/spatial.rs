@@ -146,8 +146,9 @@ pub struct ShapeHitData {
 pub struct ClosestPoints {
     /// Between their surfaces, >= 0; 0 where they meet.
     pub distance: f64,
-    /// A point of each that realises it; their origins where a primitive meets the other.
-    pub points: [DVec3; 2],
+    /// A point of each that realises it; `None` where surfaces cross, and where a primitive meets
+    /// the other.
+    pub points: Option<[DVec3; 2]>,
     /// Whether they share interior points, or one lies inside the other.
     pub overlap: bool,
 }
@@ -411,10 +412,9 @@ impl SpatialQuery<'_, '_> {
     pub fn closest_points(&self, a: Entity, b: Entity) -> Result<ClosestPoints, SpatialQueryError> {
         let [a, b] = [self.body(a)?, self.body(b)?];
         let answer = answer_about(placed(&a), placed(&b), Demand::Distance { below: None })?;
-        let points = answer.witnesses.map(|witnesses| witnesses.map(|witness| witness.point));
         Ok(ClosestPoints {
             distance: answer.distance.unwrap_or(0.0),
-            points: points.unwrap_or([a.pose.translation, b.pose.translation]),
+            points: answer.witnesses.map(|both| both.map(|witness| witness.point)),
             overlap: answer.solid || answer.contained.is_some(),
         })
     }

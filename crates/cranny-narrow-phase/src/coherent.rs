@@ -73,8 +73,6 @@ pub(crate) struct Coherent {
     nearest: Option<[FaceId; 2]>,
     /// The nearest points at this query's pose, where they gave the verdict.
     measured: Option<Option<Closest>>,
-    /// What a search from the top came across first at this query's pose.
-    first: Option<FacePair>,
     foremost: Foremost,
     cut: KeptCut,
     /// What lies inside what, of surfaces that were apart at the last pose.
@@ -95,7 +93,6 @@ impl Coherent {
         self.is_judged = false;
         self.stayed_apart = false;
         self.measured = None;
-        self.first = None;
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -128,8 +125,7 @@ impl Coherent {
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let crossed = !self.crossing.is_empty();
-        // A distance wants the first crossing from the top, which is a verdict as well.
-        if below.is_none() && self.still_cross(pair, counters) {
+        if self.still_cross(pair, counters) {
             return (Meeting::Cross, Vec::new());
         }
         let (surface, touching) = self.meet(pair, (Meets::UpToCrossing, below), !crossed, counters);
@@ -173,11 +169,7 @@ impl Coherent {
                         return (Meeting::None, Vec::new());
                     }
                 }
-                let (surface, found) = meeting_faces(pair, &ground, meets, counters);
-                if meets == Meets::UpToCrossing {
-                    self.first = found.iter().find(|p| p.meeting == Meeting::Cross).copied();
-                }
-                (surface, found)
+                meeting_faces(pair, &ground, meets, counters)
             }
         }
     }
@@ -227,19 +219,6 @@ impl Coherent {
     /// How far the pair has moved since the last query.
     fn last_step(&self, pair: &Pair) -> f64 {
         self.cut.last().map_or(0.0, |last| step_since(last, pair))
-    }
-
-    /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever
-    /// is remembered.
-    pub(crate) fn first_crossing(
-        &mut self,
-        pair: &Pair,
-        counters: &mut impl Tally,
-    ) -> Option<FacePair> {
-        self.first.or_else(|| {
-            let (_, found) = meeting_faces(pair, &Ground::of(pair), Meets::UpToCrossing, counters);
-            found.into_iter().find(|p| p.meeting == Meeting::Cross)
-        })
     }
 
     /// All pairs of faces that meet, by ascending ids.

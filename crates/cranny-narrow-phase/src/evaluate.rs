@@ -336,13 +336,10 @@ fn measure(
     if out.surface != Surface::None {
         out.distance = Some(0.0);
         out.separation = Interval::point(0.0);
-        // One that is the same whatever is remembered: of surfaces that cross, a verdict may have
-        // been reported by any.
-        let witness = match out.surface {
-            Surface::Cross => coherent.first_crossing(pair, counters),
-            _ => pairs.first().copied(),
-        };
-        out.witnesses = witness.map(|faces| faces.witnesses(pair));
+        // Of surfaces that cross, a verdict ends at any crossing: which one depends on memory.
+        let are_all = out.surface == Surface::Touch || demand.margin().is_some();
+        let common = pairs.iter().find(|faces| are_all && faces.meeting == out.surface);
+        out.witnesses = common.map(|faces| faces.witnesses(pair));
         return;
     }
     let below = match demand {

@@ -172,6 +172,7 @@ pub mod operations {
     pub use crate::motion::RelativeMotion;
     pub use crate::pair::{Pair, PairTag, Side};
     pub use crate::per_model::PerModel;
+    pub use crate::search::common_point;
     pub use crate::surface::FacePair;
     pub use crate::tally::Tally;
 }

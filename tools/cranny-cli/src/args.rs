@@ -204,7 +204,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   contacts        point_a, point_b, normal (A to B), separation
   regions         point, normal (A to B), depth, area, separation, triangle_pairs; depth is the least
                   way out along this normal, not the least of all directions
-  tests           elementary tests made; micros: time of the query alone
+  tests           elementary tests made; micros: time of the query alone. Without the witnesses of
+                  --demand distance where surfaces cross: the query leaves them out, the line does not
   closed_a        whether the mesh is closed; if not, it is queried as a surface: closed_b likewise
   verdict         "certain": they share a point; "excluded": they do not; "open": not known
   separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:

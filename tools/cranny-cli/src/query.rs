@@ -9,7 +9,8 @@ use std::time::Instant;
 use cranny_ecs::check_outputs;
 use cranny_estimate::{Accuracy, Budget, Effort, EstimateMemory, estimate};
 use cranny_geometry::BuildOptions;
-use cranny_narrow_phase::{Demand, Method, Placed, Query};
+use cranny_narrow_phase::operations::{Pair, common_point};
+use cranny_narrow_phase::{Counters, Demand, Method, Placed, Query, Surface};
 
 use crate::args::{DemandArg, Format, MethodArg, QueryArgs};
 use crate::certificate_line::{CertifiedLine, Certifier, sealed};
@@ -67,9 +68,16 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         let found = estimate(placed[0], placed[1], &question, &effort, &mut memory);
         // Whole nanoseconds: that is what the clock gives.
         let micros = start.elapsed().as_nanos() as f64 / 1e3;
-        let found = found.map_err(|error| {
+        let wrong = |error| {
             Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
-        })?;
+        };
+        let mut found = found.map_err(wrong)?;
+        if args.demand == DemandArg::Distance && found.surface == Some(Surface::Cross) {
+            // That it is 0 is known from any crossing; the line shows one.
+            let pair = Pair::new(placed[0], placed[1]).map_err(wrong)?;
+            let common = || common_point(&pair, &mut Counters::default());
+            found.witnesses = found.witnesses.or_else(common);
+        }
         let shown = ShownFields { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
         let line = Line::new(index, &found, micros, shown);
         match (format, &certifier) {

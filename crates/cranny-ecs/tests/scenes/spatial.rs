@@ -134,7 +134,8 @@ fn the_nearest_point_and_the_distance_are_those_of_the_surfaces() {
 
     let apart = room.ask(|spatial| spatial.closest_points(ring, floor).unwrap());
     assert!((apart.distance - 0.75).abs() < 1e-6 && !apart.overlap, "{apart:?}");
-    assert!((apart.points[0] - apart.points[1] - 0.75 * DVec3::Z).length() < 1e-6, "{apart:?}");
+    let [p, q] = apart.points.unwrap();
+    assert!((p - q - 0.75 * DVec3::Z).length() < 1e-6, "{apart:?}");
     assert!(!room.ask(|spatial| spatial.intersects(ring, floor).unwrap()));
 }
 

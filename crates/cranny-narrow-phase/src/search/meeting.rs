@@ -12,7 +12,7 @@ use super::descent::{Order, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
-use crate::answer::Surface;
+use crate::answer::{Surface, Witness};
 use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
 use crate::tally::Tally;
@@ -216,6 +216,16 @@ pub(crate) fn meeting_faces(
 /// All pairs of faces that meet, by ascending ids, for a caller that searches once.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
     meeting_faces(pair, &Ground::of(pair), Meets::All, counters).1
+}
+
+/// A point that surfaces which cross share, as a witness on A and one on B; `None` if they do not
+/// cross. It depends on the poses alone: it lies where a search from the top first comes across a
+/// crossing.
+#[must_use]
+pub fn common_point(pair: &Pair, counters: &mut impl Tally) -> Option<[Witness; 2]> {
+    let (_, found) = meeting_faces(pair, &Ground::of(pair), Meets::UpToCrossing, counters);
+    let crossing = found.iter().find(|faces| faces.meeting == Meeting::Cross);
+    crossing.map(|faces| faces.witnesses(pair))
 }
 
 /// Which faces that meet are wanted.

@@ -75,15 +75,15 @@ const DEMANDS: [Demand; 4] = [
 fn the_cost_of_open_combs_follows_their_contacts_not_their_prongs_squared() {
     for gap in [0.01, -0.001] {
         for demand in DEMANDS {
-            let [few, many] = [16, 64].map(|teeth| cost(teeth, gap, 0.02, demand));
+            let [few, many] = [32, 128].map(|teeth| cost(teeth, gap, 0.02, demand));
             let found = format!("{demand:?}, {gap} apart: {few:?}, then {many:?}");
             assert!(many.tests <= 5 * few.tests.max(8), "four times the prongs; {found}");
             if let Demand::Regions { .. } = demand {
-                let expected = if gap < 0.0 { [16, 64] } else { [0, 0] };
+                let expected = if gap < 0.0 { [32, 128] } else { [0, 0] };
                 assert_eq!([few.regions, many.regions], expected, "{found}");
             }
             if let Demand::Contacts { .. } = demand {
-                assert!(few.contacts >= 16 && many.contacts >= 64, "{found}");
+                assert!(few.contacts >= 32 && many.contacts >= 128, "{found}");
                 assert!(many.contacts <= 5 * few.contacts, "{found}");
             }
         }

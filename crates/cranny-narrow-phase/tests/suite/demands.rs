@@ -1,9 +1,12 @@
 //! Each demand does its own work, and bad questions are refused.
 
 use cranny_exact::{DQuat, DVec3, DomainError, Interval, Meeting, Pose, PoseError};
+use cranny_geometry::triangle_distance::triangle_distance;
 use cranny_geometry::{Mesh, Model};
+use cranny_narrow_phase::operations::{Pair, common_point};
 use cranny_narrow_phase::{
-    Answer, Containment, Demand, PairMemory, Placed, Query, QueryError, query,
+    Answer, Containment, Counters, Demand, Feature, PairMemory, Placed, Query, QueryError, Witness,
+    query,
 };
 use cranny_shapes::{Cuboid, Cup, Torus};
 
@@ -46,7 +49,8 @@ fn lesser_demands_agree_with_greater_ones_and_leave_the_rest_blank() {
 
         let apart = ask(a, b, Demand::Distance { below: None });
         assert_eq!(verdict(&apart), verdict(&full));
-        assert_eq!((apart.distance, apart.witnesses), (full.distance, full.witnesses));
+        let witnesses = full.witnesses.filter(|_| full.surface != Meeting::Cross);
+        assert_eq!((apart.distance, apart.witnesses), (full.distance, witnesses));
         assert!(apart.contacts.is_empty() && apart.regions.is_empty());
 
         let contacts = ask(a, b, Demand::contacts(0.1));
@@ -90,7 +94,7 @@ fn outcomes_of_triangle_tests_tell_close_calls_from_clear_ones() {
 }
 
 #[test]
-fn the_witness_of_a_crossing_is_the_same_whatever_is_asked_and_remembered() {
+fn a_distance_of_crossing_surfaces_does_not_say_where_and_regions_do() {
     // Solids that touch in many pairs of faces and cross in some: where the search for a verdict
     // ends depends on the trees.
     let solids = dyadic_solids();
@@ -98,23 +102,57 @@ fn the_witness_of_a_crossing_is_the_same_whatever_is_asked_and_remembered() {
     for (i, (name_a, a)) in solids.iter().enumerate() {
         for (name_b, b) in &solids[i + 1..] {
             for offset in [[1.0, 0.5, 0.0], [0.5, 0.0, 0.25], [0.0, 1.0, 0.5]] {
+                let what = format!("{name_a}, {name_b}, {offset:?}");
                 let (a, b) = (at(a, 0.0, 0.0, 0.0), at(b, offset[0], offset[1], offset[2]));
-                let distance = ask(a, b, Demand::Distance { below: None });
                 let all = ask(a, b, Demand::Regions { margin: 0.0 });
-                assert_eq!(distance.witnesses, all.witnesses, "{name_a}, {name_b}, {offset:?}");
-                // A verdict that ended elsewhere is remembered.
+                let crosses = all.surface == Meeting::Cross;
                 let mut memory = PairMemory::default();
                 for demand in [Demand::Intersects, Demand::Distance { below: None }] {
+                    let cold = ask(a, b, demand);
                     let again = query(b, a, &Query::of(demand), &mut memory).unwrap().swapped();
-                    if demand != Demand::Intersects {
-                        assert_eq!(distance.witnesses, again.witnesses, "{name_a}, {name_b}");
+                    // A distance of 0 does not say where, unless all that touches is known.
+                    let says = demand != Demand::Intersects && !crosses;
+                    for answer in [cold, again] {
+                        let expected = all.witnesses.filter(|_| says);
+                        assert_eq!(answer.witnesses, expected, "{what}, {demand:?}");
                     }
                 }
-                crossing += u32::from(all.surface == Meeting::Cross && all.triangle_pairs > 8);
+                let [common, swapped] = [(a, b), (b, a)].map(|(a, b)| {
+                    common_point(&Pair::new(a, b).unwrap(), &mut Counters::default())
+                });
+                assert_eq!(common.is_some(), crosses, "{what}");
+                assert_eq!(common, swapped.map(|[q, p]| [p, q]), "{what}");
+                for [p, q] in [all.witnesses, common].into_iter().flatten().filter(|_| crosses) {
+                    assert_eq!(p.point, q.point, "{what}");
+                    for (placed, witness) in [(a, p), (b, q)] {
+                        assert!(lies_on(placed, witness), "{what}: {witness:?}");
+                    }
+                }
+                assert!(all.witnesses.is_some(), "{what}");
+                crossing += u32::from(crosses && all.triangle_pairs > 8);
             }
         }
     }
     assert!(crossing >= 100, "{crossing}");
+}
+
+/// Whether a point lies on the vertex or face that holds it, or on one beside the edge that does.
+fn lies_on(placed: Placed, witness: Witness) -> bool {
+    let model = placed.model;
+    let corners = match witness.feature {
+        Feature::Vertex(v) => vec![v],
+        Feature::Edge(e) => {
+            let face = model.topology().half_edges(e)[0].face();
+            model.mesh().corners(face).to_vec()
+        }
+        Feature::Face(f) => model.mesh().corners(f).to_vec(),
+    };
+    let at = |i: usize| {
+        let vertex = corners[i.min(corners.len() - 1)];
+        placed.pose.world_from_body().apply(model.mesh().position(vertex))
+    };
+    let nearest = triangle_distance(&[at(0), at(1), at(2)], &[witness.point; 3]);
+    nearest.squared <= 1e-24
 }
 
 #[test]
