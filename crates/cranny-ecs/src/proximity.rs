@@ -47,11 +47,11 @@ pub struct ProximityPair {
     /// The most that the distance can be: `distance`, but at a level or within a budget.
     pub at_most: f64,
     /// A point of each that realises `distance`, world coordinates; at a level or within a budget,
-    /// the nearest that were tested in this step. `None` where surfaces cross, as the distance is 0
-    /// in many places, and where a budget left no test for the pair.
+    /// the nearest that were tested in this step. `None` where surfaces cross, where a primitive
+    /// meets the other or lies in it, and where a budget left no test for the pair.
     pub points: Option<[DVec3; 2]>,
     /// How fast the points approach each other, units of length / second: < 0 where they part, 0
-    /// where the surfaces meet. `None` where they are apart and `points` is `None`.
+    /// where the surfaces meet. `None` where `points` is, unless they are known to meet.
     pub speed: Option<f64>,
 }
 
@@ -110,7 +110,7 @@ fn report_distances(
     report.step = time.steps();
     report.pairs.clear();
     for found in detected.report.iter().flat_map(distances) {
-        let Found { ids, distance, at_most, points } = found;
+        let Found { ids, distance, at_most, points, meets } = found;
         let within = effects.proximity(ids[0], ids[1]);
         let [Some(body), Some(other)] = ids.map(|id| bodies.entity(id)) else { continue };
         if within.is_none_or(|within| distance >= within) {
@@ -121,7 +121,7 @@ fn report_distances(
             let [of_a, of_b] = [0, 1].map(|k| velocities.at(&bodies, ids[k], points[k]));
             (of_a - of_b).dot(way)
         });
-        let speed = if at_most == 0.0 { Some(0.0) } else { along };
+        let speed = if meets { Some(0.0) } else { along };
         report.pairs.push(ProximityPair { body, other, ids, distance, at_most, points, speed });
     }
     report.pairs.sort_by_key(|pair| pair.ids);
@@ -133,6 +133,8 @@ struct Found {
     distance: f64,
     at_most: f64,
     points: Option<[DVec3; 2]>,
+    /// The surfaces share a point.
+    meets: bool,
 }
 
 /// The distances that a step found, exact ones first.
@@ -140,13 +142,15 @@ fn distances(report: &StepReport) -> impl Iterator<Item = Found> {
     let exact = report.answers.iter().filter_map(|pair| {
         let distance = pair.answer.distance?;
         let points = pair.answer.witnesses.map(|both| both.map(|witness| witness.point));
-        Some(Found { ids: [pair.a, pair.b], distance, at_most: distance, points })
+        let meets = pair.answer.surface.meets();
+        Some(Found { ids: [pair.a, pair.b], distance, at_most: distance, points, meets })
     });
     let estimated = report.estimates.iter().map(|pair| Found {
         ids: [pair.a, pair.b],
         distance: pair.separation.lo,
         at_most: pair.separation.hi,
         points: pair.points,
+        meets: pair.separation.hi <= 0.0,
     });
     exact.chain(estimated)
 }

@@ -147,7 +147,7 @@ pub struct ClosestPoints {
     /// Between their surfaces, >= 0; 0 where they meet.
     pub distance: f64,
     /// A point of each that realises it; `None` where surfaces cross, and where a primitive meets
-    /// the other.
+    /// the other or lies in it.
     pub points: Option<[DVec3; 2]>,
     /// Whether they share interior points, or one lies inside the other.
     pub overlap: bool,

@@ -44,8 +44,8 @@ pub struct Estimate {
     pub separation: Interval,
     /// A point on each surface, the nearest that were tested; a common point where surfaces are
     /// known to meet. They are no farther apart than `separation.hi`, but for rounding, unless
-    /// memory knows a tighter bound. `None` if no face and no vertex was tested, and where an
-    /// exact [`answer`](Self::answer) has none.
+    /// memory knows a tighter bound. `None` if no face and no vertex was tested, and where an exact
+    /// [`answer`](Self::answer) has none.
     pub witnesses: Option<[Witness; 2]>,
     /// For the demands `Contacts` and `Regions`: boxes that hold all points of the two surfaces
     /// that are shared or within the margin, nearest first. Empty if there is an `answer`.

@@ -39,10 +39,9 @@ pub struct Answer {
     /// Where the distance is known to lie: the rounding error of `distance` taken outward.
     pub separation: Interval,
     /// Points at that distance: on A, on B. Of several such pairs of faces, the one of least ids is
-    /// taken, counted from the body that comes first in the pair's own order. Where surfaces cross
-    /// they are a point that both share if regions are demanded, and `None` if a distance alone is:
-    /// it is known to be 0 from any crossing, and takes no more than a verdict.
-    /// [`common_point`](crate::operations::common_point) finds one.
+    /// taken, counted from the body that comes first in the pair's own order. `None` where surfaces
+    /// cross: that the distance is 0 is known from any crossing, and to find one that does not
+    /// depend on memory is a search of its own, [`common_point`](crate::operations::common_point).
     pub witnesses: Option<[Witness; 2]>,
     /// Contacts for a solver, each with its own normal.
     pub contacts: Vec<Contact>,

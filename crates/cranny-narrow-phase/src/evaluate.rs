@@ -337,9 +337,8 @@ fn measure(
         out.distance = Some(0.0);
         out.separation = Interval::point(0.0);
         // Of surfaces that cross, a verdict ends at any crossing: which one depends on memory.
-        let are_all = out.surface == Surface::Touch || demand.margin().is_some();
-        let common = pairs.iter().find(|faces| are_all && faces.meeting == out.surface);
-        out.witnesses = common.map(|faces| faces.witnesses(pair));
+        let touching = pairs.first().filter(|_| out.surface == Surface::Touch);
+        out.witnesses = touching.map(|faces| faces.witnesses(pair));
         return;
     }
     let below = match demand {

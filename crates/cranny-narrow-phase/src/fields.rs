@@ -11,7 +11,8 @@ use crate::query::Demand;
 pub struct Fields {
     /// How the surfaces meet, whether the solids do, containment.
     pub verdict: bool,
-    /// Distance and witness points of what is nearer than this, > 0; infinite for any distance.
+    /// Distance of what is nearer than this, > 0, with witness points where surfaces do not cross;
+    /// infinite for any distance.
     pub distance: Option<f64>,
     /// How deep the bodies overlap, where that is deeper than this, >= 0:
     /// [`Answer::depth`](crate::Answer::depth).

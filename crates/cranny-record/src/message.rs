@@ -104,7 +104,7 @@ pub struct PairMessage {
     pub distance: Option<f64>,
     /// Where it is known to lie; below 0: depth.
     pub separation: IntervalMessage,
-    /// Points at that distance.
+    /// Points at that distance; `None` where surfaces cross.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub witnesses: Option<[WitnessMessage; 2]>,
     /// How many triangle pairs meet.

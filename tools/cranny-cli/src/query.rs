@@ -72,7 +72,8 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
             Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
         };
         let mut found = found.map_err(wrong)?;
-        if args.demand == DemandArg::Distance && found.surface == Some(Surface::Cross) {
+        let distance = found.answer.as_ref().and_then(|answer| answer.distance);
+        if found.surface == Some(Surface::Cross) && distance.is_some() {
             // That it is 0 is known from any crossing; the line shows one.
             let pair = Pair::new(placed[0], placed[1]).map_err(wrong)?;
             let common = || common_point(&pair, &mut Counters::default());

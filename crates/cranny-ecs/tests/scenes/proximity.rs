@@ -78,13 +78,19 @@ fn other_effects_of_a_pair_change_no_distance() {
         let mut found = Vec::new();
         for _ in 0..60 {
             steps(&mut app, 1);
-            found.push(report(&app).pairs.first().map(|pair| (pair.distance, pair.points)));
+            let near = report(&app).pairs.first().copied();
+            if let Some(near) = near.filter(|near| near.points.is_none()) {
+                assert_eq!((near.distance, near.speed), (0.0, Some(0.0)));
+            }
+            found.push(near.map(|near| (near.distance, near.points)));
         }
         found
     };
     let alone = run(&others[2..]);
     let lengths: Vec<f64> = alone.iter().flatten().map(|(distance, _)| *distance).collect();
     assert!(lengths.len() > 50 && lengths.contains(&0.0) && lengths[0] > 0.3, "{lengths:?}");
+    // It digs in a little.
+    assert!(alone.iter().flatten().any(|(_, points)| points.is_none()), "{alone:?}");
     let answered = [Effect::TRIGGER, Effect::Response];
     for effects in [&others[..], &others[1..], &answered] {
         assert_eq!(run(effects), alone, "{effects:?}");

@@ -137,6 +137,10 @@ fn the_nearest_point_and_the_distance_are_those_of_the_surfaces() {
     let [p, q] = apart.points.unwrap();
     assert!((p - q - 0.75 * DVec3::Z).length() < 1e-6, "{apart:?}");
     assert!(!room.ask(|spatial| spatial.intersects(ring, floor).unwrap()));
+
+    *world(&mut room.app).get_mut::<Transform>(ring).unwrap() = up(-0.8);
+    let crossing = room.ask(|spatial| spatial.closest_points(ring, floor).unwrap());
+    assert_eq!((crossing.distance, crossing.points, crossing.overlap), (0.0, None, true));
 }
 
 #[test]

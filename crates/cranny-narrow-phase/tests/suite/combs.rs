@@ -70,7 +70,9 @@ const DEMANDS: [Demand; 4] = [
     Demand::Regions { margin: 0.0 },
 ];
 
-/// The nearest prong alone touches, or nearly: n places among n² pairs of prongs.
+/// The nearest prong alone touches, or nearly: n places among n² pairs of prongs. Of 16 and 64
+/// prongs, regions take 156 and 844 tests, more than five times as many; 32 and 128 take 392 and
+/// 1,871.
 #[test]
 fn the_cost_of_open_combs_follows_their_contacts_not_their_prongs_squared() {
     for gap in [0.01, -0.001] {

@@ -14,8 +14,8 @@ pub enum Effect {
         /// How exactly that is known; `None`: at the level of the pair, or else of the scene.
         accuracy: Option<Accuracy>,
     },
-    /// Distance and nearest points of pairs whose surfaces are nearer than `within`; what is
-    /// farther apart costs the broad phase only.
+    /// Distance and nearest points of pairs whose surfaces are nearer than `within` (of those that
+    /// cross, the distance 0 alone); what is farther apart costs the broad phase only.
     Proximity {
         /// Distance up to which pairs are reported, > 0.
         within: f64,

@@ -106,9 +106,17 @@ fn cold_and_warm_and_both_methods_say_the_same() {
         }
         lines
     };
-    let warm = without_cost(cubes.query(&[]).json_lines());
-    assert_eq!(warm, without_cost(cubes.query(&["--cold"]).json_lines()));
-    assert_eq!(warm, without_cost(cubes.query(&["--method", "envelopes"]).json_lines()));
+    let lines = |demand, more: &[&str]| {
+        without_cost(cubes.query(&[&["--demand", demand], more].concat()).json_lines())
+    };
+    let witnesses = |lines: &[Value]| [column(lines, "witness_a"), column(lines, "witness_b")];
+    let full = lines("regions", &[]);
+    for demand in ["distance", "regions"] {
+        let warm = lines(demand, &[]);
+        assert_eq!(warm, lines(demand, &["--cold"]));
+        assert_eq!(warm, lines(demand, &["--method", "envelopes"]));
+        assert_eq!(witnesses(&warm), witnesses(&full));
+    }
 }
 
 #[test]
