@@ -24,7 +24,7 @@ pub enum Demand {
     None,
     /// Do they meet: surface verdict, solidity and containment.
     Intersects,
-    /// The above, and the least distance between the surfaces, with witness points where they do not
+    /// The above, and the least distance between the surfaces, with witness points unless they
     /// cross.
     Distance {
         /// If given, distances of this much or more need not be found (the answer then says

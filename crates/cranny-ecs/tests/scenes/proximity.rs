@@ -103,6 +103,18 @@ fn other_effects_of_a_pair_change_no_distance() {
     }
 }
 
+/// Nothing is known of the wall that it may be nearing.
+#[test]
+fn a_primitive_inside_a_body_meets_nothing_and_has_no_speed() {
+    let mut app = empty(&[NEAR]);
+    world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
+    let moves = LinearVelocity(Vec3::new(0.1, 0.0, 0.0));
+    world(&mut app).spawn((RigidBody::Kinematic, Collider::ball(0.1), up(0.0), moves));
+    steps(&mut app, 1);
+    let near = report(&app).pairs[0];
+    assert_eq!((near.distance, near.points, near.speed), (0.0, None, None));
+}
+
 #[test]
 fn a_distance_that_is_none_is_refused() {
     for within in [0.0, -1.0, f64::NAN] {
