@@ -41,14 +41,15 @@ pub struct ProximityPair {
     pub other: Entity,
     /// Their stable ids, in the same order.
     pub ids: [BodyId; 2],
-    /// Between the surfaces, units of length, >= 0: 0 where they meet. At a level or within a
-    /// budget, the least that it can be.
+    /// Between the surfaces, units of length, >= 0: 0 where they meet, and where a primitive meets
+    /// the other or lies in it. At a level or within a budget, the least that it can be.
     pub distance: f64,
     /// The most that the distance can be: `distance`, but at a level or within a budget.
     pub at_most: f64,
-    /// A point of each that realises `distance`, world coordinates; at a level or within a budget,
-    /// the nearest that were tested in this step. `None` where surfaces cross, where a primitive
-    /// meets the other or lies in it, and where a budget left no test for the pair.
+    /// A point of each that realises `distance`, world coordinates; `None` where surfaces cross,
+    /// and where a primitive meets the other or lies in it. At a level or within a budget, the
+    /// nearest points that were tested in this step, a common one where surfaces are known to meet;
+    /// `None` where the budget left no test for the pair.
     pub points: Option<[DVec3; 2]>,
     /// How fast the points approach each other, units of length / second: < 0 where they part, 0
     /// where the surfaces meet. `None` where `points` is, unless they are known to meet.

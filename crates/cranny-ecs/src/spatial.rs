@@ -144,7 +144,8 @@ pub struct ShapeHitData {
 /// How far two bodies are apart. World coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoints {
-    /// Between their surfaces, >= 0; 0 where they meet.
+    /// Between their surfaces, >= 0; 0 where they meet, and where a primitive meets the other or
+    /// lies in it.
     pub distance: f64,
     /// A point of each that realises it; `None` where surfaces cross, and where a primitive meets
     /// the other or lies in it.

@@ -240,8 +240,14 @@ impl RigidMap {
     pub fn between(a: &Pose, b: &Pose) -> Self {
         let (world_from_a, world_from_b) = (a.world_from_body(), b.world_from_body());
         let a_from_world = world_from_a.linear.transpose();
+        // Of bodies turned alike, rounding would turn one by a few ulps: in its own place a body
+        // would lie inside itself.
+        let linear = match world_from_a.linear == world_from_b.linear {
+            true => DMat3::IDENTITY,
+            false => snapped(a_from_world * world_from_b.linear),
+        };
         Self {
-            linear: snapped(a_from_world * world_from_b.linear),
+            linear,
             translation: a_from_world * (world_from_b.translation - world_from_a.translation),
         }
     }
@@ -308,6 +314,23 @@ fn snapped(m: DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bodies_turned_alike_are_not_turned_against_each_other() {
+        let mut state = 7u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        for _ in 0..1_000 {
+            let q = DQuat::from_xyzw(next(), next(), next(), next()).normalize();
+            let translation = DVec3::new(next(), next(), next());
+            for rotation in [q, -q] {
+                let (a, b) = (Pose { rotation: q, translation }, Pose { rotation, translation });
+                assert_eq!(RigidMap::between(&a, &b), RigidMap::IDENTITY);
+            }
+        }
+    }
 
     /// The 24 rotations that take the axes to the axes.
     fn cube_rotations() -> Vec<DMat3> {

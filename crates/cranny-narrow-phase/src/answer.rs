@@ -38,10 +38,11 @@ pub struct Answer {
     pub distance: Option<f64>,
     /// Where the distance is known to lie: the rounding error of `distance` taken outward.
     pub separation: Interval,
-    /// Points at that distance: on A, on B. Of several such pairs of faces, the one of least ids is
-    /// taken, counted from the body that comes first in the pair's own order. `None` where surfaces
-    /// cross: that the distance is 0 is known from any crossing, and to find one that does not
-    /// depend on memory is a search of its own, [`common_point`](crate::operations::common_point).
+    /// Points that are [`distance`](Self::distance) apart: on A, on B. Of several such pairs of
+    /// faces, the one of least ids is taken, counted from the body that comes first in the pair's
+    /// own order. `None` where no distance is demanded, or none is found below its bound, and where
+    /// surfaces cross: any crossing proves that the distance is 0, and one that does not depend on
+    /// memory takes a search of its own, [`common_point`](crate::operations::common_point).
     pub witnesses: Option<[Witness; 2]>,
     /// Contacts for a solver, each with its own normal.
     pub contacts: Vec<Contact>,

@@ -199,14 +199,14 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   solid           whether the bodies share interior points (one inside the other counts)
   contained       "A_in_B", "B_in_A" or null; the outer one is closed, the inner one may be
                   anything: an open sheet in a closed cube counts
-  distance        between the surfaces, 0 where they meet; witness_a, witness_b where: of surfaces
-                  that cross, some point that they share
+  distance        between the surfaces, 0 where they meet; witness_a, witness_b: the nearest points;
+                  where surfaces cross, one shared point
   triangle_pairs  triangles that meet
   contacts        point_a, point_b, normal (A to B), separation
   regions         point, normal (A to B), depth, area, separation, triangle_pairs; depth is the least
                   way out along this normal, not the least of all directions
   tests           elementary tests made; micros: time of the query alone. Neither counts the search
-                  for a point that both share where surfaces cross: the query does without
+                  for the shared point where surfaces cross: the query does not need it
   closed_a        whether the mesh is closed; if not, it is queried as a surface: closed_b likewise
   verdict         "certain": they share a point; "excluded": they do not; "open": not known
   separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:

@@ -218,9 +218,9 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
     meeting_faces(pair, &Ground::of(pair), Meets::All, counters).1
 }
 
-/// A point that surfaces which cross share, as a witness on A and one on B; `None` if they do not
-/// cross. It depends on the poses alone: it lies where a search from the top first comes across a
-/// crossing.
+/// One point shared by two crossing surfaces, as a witness on A and one on B; `None` if they do not
+/// cross. It depends on models and poses alone: it lies where a search from the top first comes
+/// across a crossing.
 #[must_use]
 pub fn common_point(pair: &Pair, counters: &mut impl Tally) -> Option<[Witness; 2]> {
     let (_, found) = meeting_faces(pair, &Ground::of(pair), Meets::UpToCrossing, counters);

@@ -9,6 +9,7 @@ use cranny_narrow_phase::{
     query,
 };
 use cranny_shapes::{Cuboid, Cup, Torus};
+use cranny_testkit::Rng;
 
 use crate::solids::{ask, at, cuboid, dyadic_solids, model, shape};
 
@@ -130,6 +131,22 @@ fn crossing_surfaces_have_no_witnesses_and_one_common_point_whatever_is_remember
         }
     }
     assert!(crossing >= 100, "{crossing}");
+}
+
+#[test]
+fn a_body_in_its_own_place_touches_itself_and_contains_nothing() {
+    let mut rng = Rng::new(11);
+    let cup = shape(Cup { radius: 0.25, height: 0.5, wall: 0.05, floor: 0.05, segments: 12 });
+    for model in [shape(Cuboid::default()), cup] {
+        for _ in 0..100 {
+            let rotation = DQuat::from_axis_angle(rng.direction(), 3.0 * rng.unit());
+            let pose = Pose { rotation, translation: rng.direction() };
+            let placed = Placed { model: &model, pose };
+            let answer = ask(placed, placed, Demand::Intersects);
+            let found = (answer.surface, answer.solid, answer.contained);
+            assert_eq!(found, (Meeting::Touch, true, None), "{pose:?}");
+        }
+    }
 }
 
 /// Whether a point lies on the feature that holds it.
