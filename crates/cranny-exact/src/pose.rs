@@ -31,6 +31,10 @@ const NEARLY_UNIT: f64 = 0.01;
 /// passes for a rigid one; smaller, and matrices written with seven digits are refused.
 const GRAM_SLACK: f64 = 1e-6;
 
+/// A matrix that deviates less than this from a rotation is one of few digits, not one that scales.
+/// It chooses the advice in a message and nothing else.
+const FEW_DIGITS: f64 = 0.02;
+
 /// Quaternions whose squared length is this near to 1 are unit to rounding and kept to the bit.
 /// Smaller: what was normalised once would be normalised again, and change. Larger: posing would
 /// stretch by more than the culls' slack (see [`RigidMap::bounds`]) holds.
@@ -54,19 +58,37 @@ pub enum PoseError {
         /// Length found.
         length: f64,
     },
-    /// The matrix does not preserve lengths, or mirrors.
+    /// The matrix does not preserve lengths and angles, or not to enough digits.
     #[error(
-        "matrix is not a rigid motion: it deviates from a rotation by {deviation:e} (at most {limit:e} is accepted); scale the mesh itself instead"
+        "matrix is not a rigid motion: it deviates from a rotation by {deviation:.1e} (at most {limit:e} is accepted); {}",
+        what_to_do(*.deviation)
     )]
     NotRigid {
-        /// Largest entry of `RᵀR − 1`; or 2 where the matrix mirrors.
+        /// Largest entry of `RᵀR − 1`; infinite where an entry is no number.
         deviation: f64,
         /// The largest accepted deviation.
         limit: f64,
     },
+    /// The matrix preserves lengths and mirrors.
+    #[error("matrix mirrors, and a rigid motion does not; mirror the mesh itself instead")]
+    Mirrors,
+    /// The matrix's last row is not (0, 0, 0, 1).
+    #[error("matrix has the last row {row:?} where 0, 0, 0, 1 must stand")]
+    LastRow {
+        /// The row found.
+        row: [f64; 4],
+    },
     /// The translation lies outside the domain.
     #[error("translation: {0}")]
     Domain(#[from] DomainError),
+}
+
+/// What mends a matrix that deviates from a rotation by this much.
+fn what_to_do(deviation: f64) -> &'static str {
+    match deviation < FEW_DIGITS {
+        true => "write its numbers with seven digits or more",
+        false => "scale the mesh itself instead",
+    }
 }
 
 /// Position and orientation of a body: `world_from_body`, a rotation followed by a translation.
@@ -141,24 +163,29 @@ impl Pose {
     ///
     /// # Errors
     ///
-    /// [`PoseError::NotRigid`] where it is not a rotation and a translation, to within 1e-6;
-    /// [`PoseError::Domain`] where the translation is out of domain.
+    /// [`PoseError::LastRow`], [`PoseError::NotRigid`] and [`PoseError::Mirrors`] where it is not a
+    /// rotation and a translation, to within 1e-6; [`PoseError::Domain`] where the translation is
+    /// out of domain.
     pub fn from_row_major(m: &[f64; 16]) -> Result<Self, PoseError> {
         let linear =
             DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
         let translation = DVec3::new(m[3], m[7], m[11]);
         check_point(translation)?;
-        let gram = linear.transpose() * linear - DMat3::IDENTITY;
-        let last_row = [m[12], m[13], m[14], m[15] - 1.0];
-        let mut deviation =
-            gram.to_cols_array().into_iter().chain(last_row).fold(0.0f64, |worst, x| {
-                if x.is_nan() { f64::INFINITY } else { worst.max(x.abs()) }
-            });
-        if linear.determinant() < 0.0 {
-            deviation = deviation.max(2.0);
+        let deviation_of = |entries: &[f64]| {
+            let worse =
+                |worst: f64, x: &f64| if x.is_nan() { f64::INFINITY } else { worst.max(x.abs()) };
+            entries.iter().fold(0.0, worse)
+        };
+        if deviation_of(&[m[12], m[13], m[14], m[15] - 1.0]) > GRAM_SLACK {
+            return Err(PoseError::LastRow { row: [m[12], m[13], m[14], m[15]] });
         }
+        let gram = linear.transpose() * linear - DMat3::IDENTITY;
+        let deviation = deviation_of(&gram.to_cols_array());
         if deviation > GRAM_SLACK {
             return Err(PoseError::NotRigid { deviation, limit: GRAM_SLACK });
+        }
+        if linear.determinant() < 0.0 {
+            return Err(PoseError::Mirrors);
         }
         let rotation = DQuat::from_mat3(&linear);
         Ok(Self { rotation: rotation * (1.0 / rotation.length()), translation })
@@ -314,14 +341,12 @@ fn snapped(m: DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_testkit::Rng;
 
     #[test]
     fn bodies_turned_alike_are_not_turned_against_each_other() {
-        let mut state = 7u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut rng = Rng::new(7);
+        let mut next = || rng.unit();
         for _ in 0..1_000 {
             let q = DQuat::from_xyzw(next(), next(), next(), next()).normalize();
             let translation = DVec3::new(next(), next(), next());

@@ -211,7 +211,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   verdict         "certain": they share a point; "excluded": they do not; "open": not known
   separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:
                   without bound
-  places          min, max, separation: where contact may be
+  places          min, max, separation: where contact may be, a box for each pair of parts of
+                  the two bodies that may be near each other
   certificate     with --certificate: the files, and what proves surface, solid and contained; sum, at the
                   end, is of the whole line
 What --demand does not ask for is null.
@@ -223,6 +224,8 @@ Levels. Each is certain of what it says, and says `unknown` or null for what it 
   tree:DEPTH  boxes of trees, opened so often
   exact       everything; the default
 With a level or a budget, distance, contacts and regions are null: separation and places stand for them.
+The witnesses, where there are any, are no farther apart than separation's upper end. It is narrowed only
+as far as the demand needs: distance narrows it most.
 What was open at one pose is narrowed at the next, unless --cold.
 
 A body against itself, or against its like in the same place, has depth too. No direction is the way out

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use cranny_exact::Pose;
 use cranny_scene::without_mark;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 use thiserror::Error;
 
@@ -37,6 +39,8 @@ enum PoseFileError {
     Empty,
     #[error("no JSON ({0}); {SHAPE}")]
     Json(#[from] serde_json::Error),
+    #[error("{0}: give each body one pose")]
+    Twice(serde_json::Error),
     #[error("found {0} where the list of poses must stand; {SHAPE}")]
     NoList(String),
     #[error("the list of poses is empty: give at least one pose")]
@@ -68,7 +72,20 @@ fn parse_poses(text: &str) -> Result<Vec<PosePair>, PoseFileError> {
     if entries.is_empty() {
         return Err(PoseFileError::NoPoses);
     }
-    entries.iter().enumerate().map(|(index, entry)| pose_pair(index, entry)).collect()
+    let pairs = entries.iter().enumerate().map(|(index, entry)| pose_pair(index, entry));
+    let pairs = pairs.collect::<Result<_, _>>()?;
+    let _: Vec<Keys> = serde_json::from_str(without_mark(text)).map_err(PoseFileError::Twice)?;
+    Ok(pairs)
+}
+
+/// A pose's keys. A [`Value`] keeps the last of two that are equal; this refuses them, with line
+/// and column.
+#[derive(Deserialize)]
+struct Keys {
+    #[serde(default, rename = "a")]
+    _a: IgnoredAny,
+    #[serde(default, rename = "b")]
+    _b: IgnoredAny,
 }
 
 fn pose_pair(index: usize, entry: &Value) -> Result<PosePair, PoseFileError> {
@@ -186,14 +203,30 @@ mod tests {
     }
 
     #[test]
+    fn a_body_with_two_poses_is_refused_with_its_line() {
+        let text = format!("[{{}},\n{{\"b\": null, \"a\": null, \"b\": {QUARTER}}}]");
+        let complaint = complaint(&text);
+        assert!(complaint.contains("duplicate field `b` at line 2"), "{complaint}");
+    }
+
+    #[test]
     fn matrices_that_scale_mirror_or_leave_the_domain_are_refused() {
         let pose = |diagonal: &str, x: &str| {
             let [a, b, c]: [&str; 3] = diagonal.split(' ').collect::<Vec<_>>().try_into().unwrap();
             complaint(&format!(r#"[{{}}, {{"b": [{a},0,0,{x}, 0,{b},0,0, 0,0,{c},0, 0,0,0,1]}}]"#))
         };
-        for (diagonal, x) in [("2 2 2", "0"), ("-1 1 1", "0"), ("1 1 1", "1e200")] {
+        let refused = [
+            ("2 2 2", "0", "scale the mesh itself"),
+            ("1.0004 1 1", "0", "seven digits"),
+            ("-1 1 1", "0", "mirrors"),
+            ("1 1 1", "1e200", "translation"),
+        ];
+        for (diagonal, x, why) in refused {
             let complaint = pose(diagonal, x);
             assert!(complaint.starts_with(r#"pose 1, body "b": "#), "{complaint}");
+            assert!(complaint.contains(why), "{complaint}");
         }
+        let row = complaint(r#"[{"a": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}]"#);
+        assert!(row.contains("last row [0.0, 0.0, 0.0, 2.0]"), "{row}");
     }
 }

@@ -167,7 +167,7 @@ impl FatTree {
     /// Judges all candidates that are due or have a quick member, and drops those that are searched
     /// for anew or can be no pair by now. A pair whose boxes have parted ends here; the header of
     /// `pairs` says what becomes of it.
-    fn judge(&mut self, slots: &Slots, found: &mut Found) {
+    fn judge_due(&mut self, slots: &Slots, found: &mut Found) {
         let Self { candidates, fates, travel, .. } = self;
         let has_settled = !slots.switched_to(Motion::Stationary).is_empty();
         candidates.retain_mut(|candidate| {
@@ -287,7 +287,7 @@ impl Index for FatTree {
             return;
         }
         let changes = self.decide(slots);
-        self.judge(slots, found);
+        self.judge_due(slots, found);
         self.renew(&changes, slots, found);
         for slot in slots.changed() {
             self.fates[slot.index()] = Fate::Kept;

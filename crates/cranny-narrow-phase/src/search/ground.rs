@@ -243,9 +243,9 @@ impl<'a> Ground<'a> {
 
 /// How far boxes are apart, seen along the three axes of either, at right angles to each other: the
 /// greater of the two lengths of what is between. The nine cross products of axes rarely pay. And
-/// how centrally boxes overlap: along each axis the share of the way from where they
-/// touch to where their centres meet, the least of six with a weight of its own. 0 where they are
-/// apart along all, 6 and that weight where they share their centre.
+/// how centrally boxes overlap: along each axis the share of the way from where they touch to where
+/// their centres meet, the least of six with a weight of its own. 0 where they are apart along all,
+/// 6 and that weight where they share their centre.
 ///
 /// Where surfaces cross, their boxes mostly do so centrally: of 18 lists of poses that cross,
 /// shares along six axes compare 0.80 of what the least length does before they find a crossing.

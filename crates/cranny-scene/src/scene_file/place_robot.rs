@@ -34,6 +34,11 @@ use crate::robot::{LinkModels, Robot, read_robot};
 /// it has no weight beside the last digits in single precision; larger: an arm feels it.
 const FRAME_MASS: f64 = 1e-3;
 
+/// Thickness of a flat shape whose box stands for its mass, as a share of the box's longest edge.
+/// Smaller: it has hardly an inertia about its longest axis, and spins at a touch; larger: boxes of
+/// thin plates that have a thickness get another.
+const THINNEST: f64 = 1e-3;
+
 /// Names that a warning lists.
 const NAMED: usize = 8;
 
@@ -399,8 +404,7 @@ impl Placing<'_> {
         }
         let bounds = model.bounds();
         let edges = bounds.max - bounds.min;
-        // A flat shape has some thickness.
-        let edges = edges.max(DVec3::splat(1e-3 * edges.max_element()));
+        let edges = edges.max(DVec3::splat(THINNEST * edges.max_element()));
         let density = by_volume(edges.x * edges.y * edges.z);
         let mass = density * edges.x * edges.y * edges.z;
         let what = match described.mass {
