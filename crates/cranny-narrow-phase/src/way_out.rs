@@ -34,6 +34,11 @@ const MAX_DIRECTIONS: usize = 64;
 /// overlap by a hair look as deep as they are high times its sine; a smaller one: more are tried.
 const ALIKE: f64 = 0.9986;
 
+/// Sine of how much farther than at a right angle (9 degrees) two directions stand to each other
+/// between which another is tried. Larger: more are tried; smaller: a corner that gapes by rounding
+/// has no way out.
+const ASIDE: f64 = 0.15;
+
 /// A region is looked at from other directions where its curves reach farther along its own than
 /// this part of its depth. Larger: regions that have grown together keep a depth of one along
 /// another; smaller: what lies in a plane is measured in vain.
@@ -87,7 +92,8 @@ fn own_direction(region: &MeasuredRegion) -> DVec3 {
         let centers =
             region.pair.bounds(Side::Second).center() - region.pair.bounds(Side::First).center();
         let toward = centers.try_normalize().unwrap_or(DVec3::Z);
-        least_deep(region, vec![toward], f64::INFINITY, |_, _| true).unwrap_or(toward)
+        let tried = directions(region, Some(toward));
+        least_deep(region, &tried, f64::INFINITY, |_, _| true).unwrap_or(toward)
     })
 }
 
@@ -115,8 +121,8 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
     ways.extend(grazing_sides(region, own));
     let together = least_translation(&ways).try_normalize();
     let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
-    let other = least_deep(region, together.into_iter().collect(), enough, parts);
-    other.map(Way::along)
+    let tried = ways_to_try(region, together);
+    least_deep(region, &tried, enough, parts).map(Way::along)
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
@@ -124,7 +130,9 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
 pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -> bool {
     let ways = local_ways(region, own, None);
     let out = least_translation(&[ways, grazing_sides(region, own)].concat());
-    out.try_normalize().is_some_and(|n| parts_at(region, n, (out.length(), depth)).is_some())
+    let Some(n) = out.try_normalize() else { return false };
+    let mut tried = ways_to_try(region, Some(n)).into_iter();
+    tried.any(|n| parts_at(region, n, (out.length(), depth)).is_some())
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
@@ -195,15 +203,9 @@ fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
     Some(behind(n, p, qs).max(behind(m, q, ps)).min(most))
 }
 
-/// Of given directions and the pieces' own face normals, the one along which the least translation
-/// parts the pieces, if that is less than `enough` and `counts`.
-fn least_deep(
-    region: &MeasuredRegion,
-    given: Vec<DVec3>,
-    enough: f64,
-    counts: impl Fn(DVec3, f64) -> bool,
-) -> Option<DVec3> {
-    let mut candidates = given;
+/// A given direction and the pieces' own face normals, no two of them alike.
+fn directions(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
+    let mut directions: Vec<DVec3> = given.into_iter().collect();
     for side in Side::BOTH {
         let sign = if side == Side::First { 1.0 } else { -1.0 };
         let mut faces = region.cut.pieces[side.index()].faces.clone();
@@ -211,11 +213,35 @@ fn least_deep(
         let stride = faces.len().div_ceil(MAX_DIRECTIONS).max(1);
         for &f in faces.iter().step_by(stride) {
             let n = sign * region.pair.normal(side, f);
-            if n != DVec3::ZERO && candidates.iter().all(|c| c.dot(n) < ALIKE) {
-                candidates.push(n);
+            if n != DVec3::ZERO && directions.iter().all(|other| other.dot(n) < ALIKE) {
+                directions.push(n);
             }
         }
     }
+    directions
+}
+
+/// The same, and half-way from the given direction to each of them at up to a right angle: out of a
+/// corner, where flush sides that overlap lead no vertex off what an edge stands against.
+fn ways_to_try(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
+    let mut tried = directions(region, given);
+    if let Some(n) = given {
+        let aside = tried.iter().filter(|m| (-ASIDE..ALIKE).contains(&m.dot(n)));
+        let half_way: Vec<DVec3> = aside.filter_map(|m| (n + m).try_normalize()).collect();
+        tried.extend(half_way);
+    }
+    tried
+}
+
+/// Of directions the one along which the least translation parts the pieces, if that is less than
+/// `enough` and `counts`.
+fn least_deep(
+    region: &MeasuredRegion,
+    directions: &[DVec3],
+    enough: f64,
+    counts: impl Fn(DVec3, f64) -> bool,
+) -> Option<DVec3> {
+    let mut candidates = directions.to_vec();
     // Rays do not measure a piece along a direction that none of its faces looks along.
     if candidates.iter().any(|&n| face_each_other(region, n)) {
         candidates.retain(|&n| face_each_other(region, n));

@@ -404,6 +404,30 @@ fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
     assert!(tried > 150, "{tried}");
 }
 
+/// The same in a corner: an L lies flush in the corner of another, and an edge of it stands in that
+/// one's side. No vertex has its way out off the side, so neither the flush faces nor the side alone
+/// lead out.
+#[test]
+fn what_lies_flush_in_a_corner_is_as_deep_as_it_takes_to_lead_it_out() {
+    let l = letter("l");
+    let turn =
+        [-0.0008940324836140268, -0.5264021293278756, 9.29107263975687e-05, 0.8502352558631019];
+    let rotation = DQuat::from_array(turn).normalize();
+    let middle = DVec3::new(0.3266766185200275, 0.300023247895139, 0.09234431017343794);
+    let a = Placed { model: &l, pose: Pose::IDENTITY };
+    let at = |translation| Placed { model: &l, pose: Pose { rotation, translation } };
+    for step in -50..=50 {
+        let translation = middle + 2e-6 * f64::from(step) * DVec3::X;
+        let answer = ask(a, at(translation), Demand::Regions { margin: 0.0 });
+        let found = contacts(a, at(translation), 0.0);
+        check(a, at(translation), 0.0, &found);
+        assert!((5e-4..1e-3).contains(&answer.depth()), "step {step}: {}", answer.depth());
+        assert!((5e-4..1e-3).contains(&found.depth()), "step {step}: {:?}", found.contacts[0]);
+        let out = at(translation + 1.5e-3 * DVec3::new(1.0, 1.0, 0.0).normalize());
+        assert_eq!(ask(a, out, Demand::Intersects).surface, Meeting::None, "step {step}");
+    }
+}
+
 /// Flanks of a coarse thread overlap by less than 0.1, over several turns in one region. Along the
 /// axis, that begins in one turn and ends in another.
 #[test]
