@@ -97,13 +97,14 @@ fn dispatcher_of(
     dispatcher.carrying(searches.clone(), options.carries())
 }
 
-/// Makes contacts as stiff beside a substep shorter than [`SOLVER_SUBSTEP`] as they are beside
-/// that. [`SimulationOptions`] argues it, with rapier's other settings.
+/// Makes contacts between moving bodies as stiff as those with what is fixed, and both as stiff
+/// beside a substep shorter than [`SOLVER_SUBSTEP`] as they are beside that. [`SimulationOptions`]
+/// argues it, with rapier's other settings.
 fn stiffen(parameters: &mut IntegrationParameters) {
     let substep = f64::from(parameters.dt) / parameters.num_solver_iterations as f64;
     let faster = (SOLVER_SUBSTEP / substep).max(1.0) as Real;
-    parameters.contact_softness.natural_frequency *= faster;
     parameters.static_contact_softness.natural_frequency *= faster;
+    parameters.contact_softness = parameters.static_contact_softness;
 }
 
 impl Simulation {

@@ -30,7 +30,7 @@ const HASHES: [(&str, f64, u64, &str); 5] = [
         "stack_of_cups",
         0.25,
         0x6156_fa8e_5ebe_e8f0,
-        "081b19cc0d157633036dc7b18fb05cba0040eccf01f0d07a4f36fff7969a7509",
+        "7ba72b95297ea5d9820bd590ff2d4b6f9a1a22f439279cc3179a5f59769911d6",
     ),
     (
         "nut_under_gravity_smooth",
