@@ -93,7 +93,7 @@ fn own_direction(region: &MeasuredRegion) -> DVec3 {
             region.pair.bounds(Side::Second).center() - region.pair.bounds(Side::First).center();
         let toward = centers.try_normalize().unwrap_or(DVec3::Z);
         let tried = directions(region, Some(toward));
-        least_deep(region, &tried, f64::INFINITY, |_, _| true).unwrap_or(toward)
+        least_deep(region, tried, f64::INFINITY, |_, _| true).unwrap_or(toward)
     })
 }
 
@@ -121,8 +121,7 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
     ways.extend(grazing_sides(region, own));
     let together = least_translation(&ways).try_normalize();
     let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
-    let tried = ways_to_try(region, together);
-    least_deep(region, &tried, enough, parts).map(Way::along)
+    least_deep(region, directions(region, together), enough, parts).map(Way::along)
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
@@ -131,7 +130,7 @@ pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -
     let ways = local_ways(region, own, None);
     let out = least_translation(&[ways, grazing_sides(region, own)].concat());
     let Some(n) = out.try_normalize() else { return false };
-    let mut tried = ways_to_try(region, Some(n)).into_iter();
+    let mut tried = directions(region, Some(n)).into_iter();
     tried.any(|n| parts_at(region, n, (out.length(), depth)).is_some())
 }
 
@@ -203,7 +202,9 @@ fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
     Some(behind(n, p, qs).max(behind(m, q, ps)).min(most))
 }
 
-/// A given direction and the pieces' own face normals, no two of them alike.
+/// A given direction, the pieces' own face normals, no two of these alike, and what is half-way
+/// from the given one to each of them at up to a right angle: out of a corner, where flush sides
+/// that overlap lead no vertex off what an edge stands against.
 fn directions(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
     let mut directions: Vec<DVec3> = given.into_iter().collect();
     for side in Side::BOTH {
@@ -218,30 +219,20 @@ fn directions(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
             }
         }
     }
-    directions
-}
-
-/// The same, and half-way from the given direction to each of them at up to a right angle: out of a
-/// corner, where flush sides that overlap lead no vertex off what an edge stands against.
-fn ways_to_try(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
-    let mut tried = directions(region, given);
-    if let Some(n) = given {
-        let aside = tried.iter().filter(|m| (-ASIDE..ALIKE).contains(&m.dot(n)));
-        let half_way: Vec<DVec3> = aside.filter_map(|m| (n + m).try_normalize()).collect();
-        tried.extend(half_way);
-    }
-    tried
+    let Some(n) = given else { return directions };
+    let aside = directions.iter().filter(|m| (-ASIDE..ALIKE).contains(&m.dot(n)));
+    let half_way: Vec<DVec3> = aside.filter_map(|m| (n + m).try_normalize()).collect();
+    [directions, half_way].concat()
 }
 
 /// Of directions the one along which the least translation parts the pieces, if that is less than
 /// `enough` and `counts`.
 fn least_deep(
     region: &MeasuredRegion,
-    directions: &[DVec3],
+    mut candidates: Vec<DVec3>,
     enough: f64,
     counts: impl Fn(DVec3, f64) -> bool,
 ) -> Option<DVec3> {
-    let mut candidates = directions.to_vec();
     // Rays do not measure a piece along a direction that none of its faces looks along.
     if candidates.iter().any(|&n| face_each_other(region, n)) {
         candidates.retain(|&n| face_each_other(region, n));

@@ -405,8 +405,8 @@ fn places_that_have_grown_together_are_as_deep_as_it_takes_to_part_them() {
 }
 
 /// The same in a corner: an L lies flush in the corner of another, and an edge of it stands in that
-/// one's side. No vertex has its way out off the side, so neither the flush faces nor the side alone
-/// lead out.
+/// one's side. No vertex has its way out off the side, so neither the flush faces nor the side
+/// alone lead out.
 #[test]
 fn what_lies_flush_in_a_corner_is_as_deep_as_it_takes_to_lead_it_out() {
     let l = letter("l");
