@@ -312,3 +312,22 @@ fn a_body_may_be_moved_and_pushed() {
     let at = simulation.pose(body).translation;
     assert!((at - DVec3::new(2.0, 2.0, 3.0)).length() < 1e-4, "{at}");
 }
+
+/// A cube's weight presses it as deep into a block that moves as into one that is fixed, but for
+/// how much of the block's mass moves with it.
+#[test]
+fn what_rests_sinks_into_a_moving_body_as_into_a_fixed_one() {
+    let models = [cuboid(4.0, 4.0, 1.0), cuboid(2.0, 2.0, 1.0), cuboid(1.0, 1.0, 1.0)];
+    let sunk = |block: BodyKind| {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        for (k, kind) in [BodyKind::Fixed, block, BodyKind::Dynamic].into_iter().enumerate() {
+            simulation.insert(&spec(&models[k], kind, DVec3::Z * k as f64)).expect("a body");
+        }
+        (0..120).for_each(|_| simulation.step());
+        let [block, cube] = [1, 2].map(|k| simulation.pose(BodyIndex(k)).translation.z);
+        1.0 - (cube - block)
+    };
+    let [fixed, moving] = [BodyKind::Fixed, BodyKind::Dynamic].map(sunk);
+    assert!(fixed > 1e-5, "{fixed}");
+    assert!(moving > 0.5 * fixed && moving < 2.0 * fixed, "{moving}, {fixed}");
+}
