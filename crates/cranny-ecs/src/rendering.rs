@@ -337,31 +337,19 @@ fn read_for_end(mut readers: ResMut<ContactReaders>) {
     readers.set(ContactReaders::PICTURES, MARKED);
 }
 
-/// What a picture is made of, and where it goes.
+/// What a picture shows. The painter is no part of it: the bounds that the derive writes would be
+/// proved of all that a graphics device consists of, six seconds of each compilation.
 #[derive(SystemParam)]
-struct Drawing<'w, 's> {
+struct Seen<'w, 's> {
     bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
     contacts: Option<Res<'w, ContactReport>>,
     effects: Res<'w, EffectTable>,
     #[cfg(feature = "rapier")]
     solver: Option<Res<'w, crate::solved::RigidBodies>>,
     time: Res<'w, SimulatedTime>,
-    painter: ResMut<'w, Painter>,
-    times: ResMut<'w, PhaseTimes>,
-    failure: ResMut<'w, Failure>,
 }
 
-impl Drawing<'_, '_> {
-    fn draw(&mut self, last: bool) {
-        if self.failure.is_set() {
-            return;
-        }
-        let start = Instant::now();
-        let moment = self.moment();
-        self.failure.note(self.painter.paint(&moment, self.time.steps(), last));
-        self.times.render += 1e3 * start.elapsed().as_secs_f64();
-    }
-
+impl Seen<'_, '_> {
     fn moment(&self) -> Moment {
         let poses = self.bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
         let reported = self.contacts.iter().flat_map(|report| &report.pairs);
@@ -391,14 +379,39 @@ impl Drawing<'_, '_> {
     }
 }
 
-fn draw_step(mut drawing: Drawing) {
-    if drawing.painter.moments.is_due(drawing.time.steps()) {
-        drawing.draw(false);
+fn draw_step(
+    seen: Seen,
+    painter: ResMut<Painter>,
+    times: ResMut<PhaseTimes>,
+    failure: ResMut<Failure>,
+) {
+    if painter.moments.is_due(seen.time.steps()) {
+        draw(&seen, painter, times, failure, false);
     }
 }
 
-fn draw_end(mut drawing: Drawing) {
-    drawing.draw(true);
+fn draw_end(
+    seen: Seen,
+    painter: ResMut<Painter>,
+    times: ResMut<PhaseTimes>,
+    failure: ResMut<Failure>,
+) {
+    draw(&seen, painter, times, failure, true);
+}
+
+fn draw(
+    seen: &Seen,
+    mut painter: ResMut<Painter>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+    last: bool,
+) {
+    if failure.is_set() {
+        return;
+    }
+    let start = Instant::now();
+    failure.note(painter.paint(&seen.moment(), seen.time.steps(), last));
+    times.render += 1e3 * start.elapsed().as_secs_f64();
 }
 
 #[cfg(feature = "record")]
