@@ -337,10 +337,10 @@ fn read_for_end(mut readers: ResMut<ContactReaders>) {
     readers.set(ContactReaders::PICTURES, MARKED);
 }
 
-/// What a picture shows. The painter is no part of it: the bounds that the derive writes would be
-/// proved of all that a graphics device consists of, six seconds of each compilation.
+/// Everything that a picture reads but the painter. With the painter among it, the bounds that the
+/// derive writes make the compiler look through the graphics device's types, six seconds a build.
 #[derive(SystemParam)]
-struct Seen<'w, 's> {
+struct PictureSources<'w, 's> {
     bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
     contacts: Option<Res<'w, ContactReport>>,
     effects: Res<'w, EffectTable>,
@@ -349,7 +349,7 @@ struct Seen<'w, 's> {
     time: Res<'w, SimulatedTime>,
 }
 
-impl Seen<'_, '_> {
+impl PictureSources<'_, '_> {
     fn moment(&self) -> Moment {
         let poses = self.bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
         let reported = self.contacts.iter().flat_map(|report| &report.pairs);
@@ -380,27 +380,27 @@ impl Seen<'_, '_> {
 }
 
 fn draw_step(
-    seen: Seen,
+    sources: PictureSources,
     painter: ResMut<Painter>,
     times: ResMut<PhaseTimes>,
     failure: ResMut<Failure>,
 ) {
-    if painter.moments.is_due(seen.time.steps()) {
-        draw(&seen, painter, times, failure, false);
+    if painter.moments.is_due(sources.time.steps()) {
+        draw(&sources, painter, times, failure, false);
     }
 }
 
 fn draw_end(
-    seen: Seen,
+    sources: PictureSources,
     painter: ResMut<Painter>,
     times: ResMut<PhaseTimes>,
     failure: ResMut<Failure>,
 ) {
-    draw(&seen, painter, times, failure, true);
+    draw(&sources, painter, times, failure, true);
 }
 
 fn draw(
-    seen: &Seen,
+    sources: &PictureSources,
     mut painter: ResMut<Painter>,
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
@@ -410,7 +410,7 @@ fn draw(
         return;
     }
     let start = Instant::now();
-    failure.note(painter.paint(&seen.moment(), seen.time.steps(), last));
+    failure.note(painter.paint(&sources.moment(), sources.time.steps(), last));
     times.render += 1e3 * start.elapsed().as_secs_f64();
 }
 

@@ -35,13 +35,16 @@
 //! evaluates features that face each other.
 //!
 //! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces
-//! along them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and
-//! `near` describe contact without overlap, `regions` puts it together, `reduce` keeps what matters
-//! and `tracks` names regions after those of the last query; `smooth` gives contacts the normals of
-//! curved surfaces.
+//! along them, `outline` measures what curves enclose, `way_out` chooses the direction along which
+//! a piece parts (vertices by what is `nearest_on` a surface) and `depth` measures it there (seen
+//! as `footprints`, within its `borders`). `special_position` reads flush faces from beside;
+//! `touch` and `near` describe contact without overlap, `regions` puts it together (`penetration`
+//! the depths alone), `reduce` keeps what matters and `tracks` names regions after those of the
+//! last query; `smooth` gives contacts the normals of curved surfaces.
 //!
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
-//! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses);
+//! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses) and are
+//! searched by boxes over faces (`descent`);
 //! `brute_force` is the slow, obviously right version of the verdict and the distance. `observe`
 //! shows what memory holds and what a search looks at, for drawing, and `heat` sums the latter up:
 //! work is counted in a `tally`, which is compiled with an observer and without. `verify` computes
@@ -90,6 +93,7 @@ mod intersection;
 mod memory;
 mod motion;
 mod near;
+mod nearest_on;
 mod numbering;
 mod observe;
 mod outline;

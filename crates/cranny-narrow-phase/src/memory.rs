@@ -1,17 +1,10 @@
 //! What a pair keeps from one query to the next: a value that the caller owns.
 
-use std::sync::Arc;
-
-use cranny_concavity::Concavities;
-use cranny_exact::Pose;
-use cranny_geometry::Model;
-
 use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;
 use crate::hulls::Parting;
-use crate::pair::{Pair, PosedVertices};
+use crate::pair::PosedVertices;
 use crate::pockets::PocketMemory;
-use crate::query::Placed;
 use crate::smooth::SmoothMemory;
 use crate::tracks::RegionTracks;
 
@@ -37,22 +30,6 @@ pub struct PairMemory {
 }
 
 impl PairMemory {
-    /// Gives the concavities of two models to [`Method::Envelopes`](crate::Method::Envelopes),
-    /// which otherwise makes them at its first query about the pair: many pairs of few models then
-    /// share them. Clones share them as well.
-    ///
-    /// `a` and `b` are the models of the queries to come, each with its own [`Concavities::of`] it.
-    pub fn hold_concavities(
-        &mut self,
-        (a, of_a): (&Model, &Arc<Concavities>),
-        (b, of_b): (&Model, &Arc<Concavities>),
-    ) {
-        let placed = |model| Placed { model, pose: Pose::IDENTITY };
-        let pair = Pair::of_accepted(placed(a), placed(b));
-        let of = pair.ordered(of_a, of_b);
-        self.pockets.hold(&pair, of);
-    }
-
     /// Heap bytes held; but for concavities, which pairs may share.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -1,5 +1,5 @@
 //! What a search looks at, and what a pair's memory holds, shown for drawing: nothing of it is kept
-//! for that.
+//! for that. Pictures of heat draw the former; nothing draws the latter yet.
 
 use cranny_concavity::ConcavityId;
 use cranny_concavity::pockets::MetParts;

@@ -32,14 +32,6 @@ pub(crate) struct PocketMemory {
 }
 
 impl PocketMemory {
-    /// Takes concavities of the models that somebody has made.
-    pub(crate) fn hold(&mut self, pair: &Pair, of: [&Arc<Concavities>; 2]) {
-        let bodies = Some(PerModel::of(pair, |side| {
-            PocketBody::of(pair.model(side), Arc::clone(of[side.index()]))
-        }));
-        *self = Self { tag: PairTag::of(pair), bodies, ..Self::default() };
-    }
-
     /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that
     /// cross, which is then among them.
     pub(crate) fn meetings<T: Tally>(

@@ -164,7 +164,7 @@ impl Demand {
 /// that does not need these faces: distances, and contacts for a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Method {
-    /// Trees of boxes over all faces, whose front is kept from query to query.
+    /// The search of the models' clusters, whose cut is kept from query to query.
     #[default]
     Boxes,
     /// The parts of the hulls that meet; concavities that the other hull may reach, by the layers

@@ -7,16 +7,17 @@
 //! to part it. So where the curves reach as far along that direction as the region is deep, and
 //! its vertices have far shorter ways out, the region is looked at again. Where the deepest
 //! contact reaches over a gap and the pieces part sooner, what lies beyond the gap does not count.
-//! Otherwise other directions are measured as well: normals of the faces, and the least
-//! translation that leads all those vertices out and all those sides apart. One of these counts
-//! only if the pieces part along it: rays may miss what lies across. (Whole faces are looked at;
+//! Otherwise other directions are measured as well: the least translation that leads all those
+//! vertices out and all those sides apart, normals of the faces, and what is half-way between it
+//! and each of them. One of these counts only if the pieces part along it: rays may miss what lies across. (Whole faces are looked at;
 //! of coarse meshes they may hold where the pieces do not, and the region keeps its own
 //! direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
-use crate::answer::{Contact, Feature};
+use crate::answer::{Contact, Counters, Feature};
 use crate::depth::{MeasuredRegion, Way};
+use crate::nearest_on::NearestOn;
 use crate::pair::Side;
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::Prepared;
@@ -34,9 +35,9 @@ const MAX_DIRECTIONS: usize = 64;
 /// overlap by a hair look as deep as they are high times its sine; a smaller one: more are tried.
 const ALIKE: f64 = 0.9986;
 
-/// Sine of how much farther than at a right angle (9 degrees) two directions stand to each other
-/// between which another is tried. Larger: more are tried; smaller: a corner that is less than a
-/// right angle by rounding has no way out (reasoned: with 0 all tests pass).
+/// Two directions up to 9 degrees beyond a right angle have another half-way between them; this is
+/// the sine of those 9 degrees. Larger: more are tried; smaller: a corner that is less than a right
+/// angle by rounding has no way out (reasoned: with 0 all tests pass).
 const ASIDE: f64 = 0.15;
 
 /// A region is looked at from other directions where its curves reach farther along its own than
@@ -105,7 +106,7 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
     }
-    let mut ways = local_ways(region, own, ways);
+    let mut ways = local_ways(region, own, (ways, enough));
     // What leads all out is no shorter than the longest of their ways.
     if ways.iter().any(|way| way.1 >= enough) {
         return None;
@@ -127,7 +128,7 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
 /// along some direction.
 pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -> bool {
-    let ways = local_ways(region, own, None);
+    let ways = local_ways(region, own, (None, depth));
     let out = least_translation(&[ways, grazing_sides(region, own)].concat());
     let Some(n) = out.try_normalize() else { return false };
     let mut tried = directions(region, Some(n)).into_iter();
@@ -138,16 +139,28 @@ pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -
 type LocalWay = (DVec3, f64);
 
 /// What leads vertices out: their nearest ways, which are sought where they are not given. A vertex
-/// whose nearest way leads past an edge of the piece got a longer one, which is left out.
+/// whose nearest way leads past an edge of the piece got a longer one, which is left out. Of one
+/// that is shorter than `enough` this does not matter.
 fn local_ways(
     region: &MeasuredRegion,
     own: &Contact,
-    nearest: Option<&[Contact]>,
+    (nearest, enough): (Option<&[Contact]>, f64),
 ) -> Vec<LocalWay> {
     let found = nearest.is_none().then(|| nearest_ways_out(region, own));
     let ways = nearest.or(found.as_deref()).into_iter().flatten();
     let ways = ways.filter(|way| way.separation > own.separation);
+    let ways = ways.filter(|way| -way.separation < enough || !leads_past_an_edge(region, way));
     ways.map(|way| (way.normal, region.clear() - way.separation)).collect()
+}
+
+/// Whether a vertex is far nearer to a face of the other body that is none of the piece.
+fn leads_past_an_edge(region: &MeasuredRegion, way: &Contact) -> bool {
+    let (side, p) = match way.id {
+        (Feature::Vertex(_), _) => (Side::First, way.point_a),
+        _ => (Side::Second, way.point_b),
+    };
+    let mut surface = NearestOn::of(region.pair, side.other());
+    surface.to(p, &mut Counters::default()).distance < HAIR * -way.separation
 }
 
 /// Whether most faces that do not look along a region's direction graze one of the other piece.
@@ -203,7 +216,8 @@ fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
 }
 
 /// A given direction, the pieces' own face normals, no two of these alike, and what is half-way
-/// from the given one to each of them at up to a right angle: out of a corner, where flush sides
+/// from the given one to each of them at up to [`ASIDE`] beyond a right angle: out of a corner of
+/// two sides (of three no half-way direction leads), where flush sides
 /// that overlap lead no vertex off what an edge stands against.
 fn directions(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
     let mut directions: Vec<DVec3> = given.into_iter().collect();

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 
 use cranny_exact::{Aabb, DVec3, WeightedPoint};
-use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
+use cranny_geometry::{EdgeId, PatchId, VertexId};
 
 use super::coarse::Coarse;
 use super::facing::faces_towards;
@@ -20,12 +20,11 @@ use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use super::{nearer, patches_of};
 use crate::answer::{Contact, Feature};
-use crate::inside::{Location, local, locate};
+use crate::inside::{Location, locate};
+use crate::nearest_on::{NearestFace, NearestOn};
 use crate::pair::{Pair, Side};
-use crate::search::Vicinity;
 use crate::surface::FacePair;
 use crate::tally::Tally;
-use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
 /// How much farther than the nearest way out the faces at the other edge may be from a point of an
 /// edge that crosses it: 1 where edges cross locally, however sharp they are, and a little more
@@ -250,70 +249,6 @@ fn may_cross([[p0, p1], [q0, q1]]: [[DVec3; 2]; 2], error: f64) -> Option<f64> {
     // The normal is off by rounding over the sine of the angle between the segments.
     let over_sine = || (d1.length_squared() * d2.length_squared() / squared).sqrt();
     crosses.then(|| apart.dot(cross).abs() / squared.sqrt() + error * over_sine())
-}
-
-/// Finds the points of a body's surface that are nearest to points of the pair's frame: faster to
-/// points that lie beside the last one.
-struct NearestOn<'p, 'm> {
-    pair: &'p Pair<'m>,
-    side: Side,
-    vicinity: Vicinity,
-    /// The point that was found last.
-    last: Option<DVec3>,
-}
-
-impl<'p, 'm> NearestOn<'p, 'm> {
-    fn of(pair: &'p Pair<'m>, side: Side) -> Self {
-        Self { pair, side, vicinity: Vicinity::default(), last: None }
-    }
-
-    /// Prepares for points within a ball of the pair's frame.
-    fn gather(&mut self, (center, radius): (DVec3, f64), counters: &mut impl Tally) {
-        let (pair, side, mut nearest) = (self.pair, self.side, f64::INFINITY);
-        let ball = (local(pair, side, center).0, radius);
-        let (tree, allowance) = (pair.model(side).clusters(), pair.culling_error());
-        self.vicinity.gather(tree, ball, allowance, counters, |face| {
-            nearest = nearest.min(NearestFace::on(pair, side, center, face).distance);
-            nearest
-        });
-    }
-
-    /// Ties go to the lowest face.
-    fn to(&mut self, p: DVec3, counters: &mut impl Tally) -> NearestFace {
-        let Self { pair, side, .. } = *self;
-        let local = local(pair, side, p).0;
-        let tree = pair.model(side).clusters();
-        // The face that was found last is no farther than the point of it.
-        let known = self.last.map(|last| (last - p).length() + pair.length_error());
-        let (reach, allowance) = (known.unwrap_or(f64::INFINITY), pair.culling_error());
-        let mut best: Option<NearestFace> = None;
-        self.vicinity.for_faces_near(tree, local, (reach, allowance), counters, |face| {
-            let found = NearestFace::on(pair, side, p, face);
-            if best.as_ref().is_none_or(|b| (found.distance, face) < (b.distance, b.face)) {
-                best = Some(found);
-            }
-            best.as_ref().map_or(reach, |best| best.distance.min(reach))
-        });
-        // A mesh has faces, so there is a nearest one.
-        let best = best.unwrap_or_else(|| NearestFace::on(pair, side, p, FaceId(0)));
-        self.last = Some(best.foot);
-        best
-    }
-}
-
-/// The point of a face nearest to a point.
-struct NearestFace {
-    distance: f64,
-    foot: DVec3,
-    part: Part,
-    face: FaceId,
-}
-
-impl NearestFace {
-    fn on(pair: &Pair, side: Side, p: DVec3, face: FaceId) -> Self {
-        let (foot, part) = closest_on_triangle(p, &pair.triangle(side, face));
-        Self { distance: (foot - p).length(), foot, part, face }
-    }
 }
 
 #[cfg(test)]

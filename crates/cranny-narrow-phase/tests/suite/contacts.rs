@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use cranny_exact::{DQuat, DVec3, Meeting, Pose};
+use cranny_exact::{DMat3, DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
 use cranny_narrow_phase::{
@@ -426,6 +426,42 @@ fn what_lies_flush_in_a_corner_is_as_deep_as_it_takes_to_lead_it_out() {
         let out = at(translation + 1.5e-3 * DVec3::new(1.0, 1.0, 0.0).normalize());
         assert_eq!(ask(a, out, Demand::Intersects).surface, Meeting::None, "step {step}");
     }
+}
+
+/// A U stands across another, slot in slot: the bottoms and both sides overlap by a hair, and a
+/// corner of the piece has its nearest way out past the piece's edge. Along some direction the
+/// piece parts by far less than its sides are high. (The bodies do not: others meet then.)
+#[test]
+fn what_is_squeezed_in_a_slot_is_as_deep_as_it_takes_to_part_it() {
+    let u = letter("u");
+    let turn = |rows: [[f64; 3]; 3]| {
+        DQuat::from_mat3(&DMat3::from_cols_array_2d(&rows).transpose()).normalize()
+    };
+    let rotation = turn([
+        [0.999998389367245, 2.7742959182976623e-6, 0.0017947855635152227],
+        [0.0017947856402228757, -2.7898735134535002e-5, -0.9999983889817853],
+        [-2.7242192017964267e-6, 0.9999999996069818, -2.790366946636702e-5],
+    ]);
+    let translation = DVec3::new(-1.9997859001159668, -0.0003878757997881621, 0.4249993860721588);
+    let a = Placed { model: &u, pose: Pose { rotation, translation } };
+    let rotation = turn([
+        [-0.001889707382560335, -3.4311923699514857e-6, 0.9999982144955237],
+        [-0.9999924355636025, 0.0033996921834629212, -0.00188968479703161],
+        [-0.0033996796294253895, -0.9999942210239441, -9.855589832463707e-6],
+    ]);
+    let middle = DVec3::new(-1.9988584518200256, 0.003456467395100388, 0.8258374785703536);
+    let b = |translation| Placed { model: &u, pose: Pose { rotation, translation } };
+    let mut squeezed = 0;
+    for step in -50..=50 {
+        let at = middle + 1e-6 * f64::from(step) * DVec3::new(0.3, 0.2, 1.0);
+        let answer = ask(a, b(at), Demand::Regions { margin: 0.0 });
+        let found = contacts(a, b(at), 0.0);
+        check(a, b(at), 0.0, &found);
+        assert!(answer.depth() > 1e-6 && answer.depth() < 0.006, "{step}: {}", answer.depth());
+        assert!(found.depth() < 1e-4, "{step}: {:?}", found.contacts[0]);
+        squeezed += usize::from(answer.regions.len() == 1);
+    }
+    assert!(squeezed > 40, "{squeezed}");
 }
 
 /// Flanks of a coarse thread overlap by less than 0.1, over several turns in one region. Along the

@@ -309,16 +309,4 @@ fn concavities_are_made_by_the_first_query_that_needs_them() {
     assert_eq!(made(&mut memory, [&cup, &ball], Method::Envelopes), 2);
     assert_eq!(made(&mut memory, [&ball, &cup], Method::Envelopes), 0, "the same pair");
     assert_eq!(made(&mut memory, [&cup, &cup], Method::Envelopes), 1, "another pair of one model");
-
-    let of = |model| std::sync::Arc::new(Concavities::of(model));
-    let (of_cup, of_ball) = (of(&cup), of(&ball));
-    for ((a, of_a), (b, of_b)) in
-        [((&cup, &of_cup), (&ball, &of_ball)), ((&ball, &of_ball), (&cup, &of_cup))]
-    {
-        let mut memory = PairMemory::default();
-        memory.hold_concavities((a, of_a), (b, of_b));
-        assert_eq!(made(&mut memory, [&cup, &ball], Method::Envelopes), 0);
-        let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
-        agreed(a, b, Demand::Intersects, &mut memory, "held");
-    }
 }
