@@ -9,9 +9,9 @@
 //! contact reaches over a gap and the pieces part sooner, what lies beyond the gap does not count.
 //! Otherwise other directions are measured as well: the least translation that leads all those
 //! vertices out and all those sides apart, normals of the faces, and what is half-way between it
-//! and each of them. One of these counts only if the pieces part along it: rays may miss what lies across. (Whole faces are looked at;
-//! of coarse meshes they may hold where the pieces do not, and the region keeps its own
-//! direction.)
+//! and each of them. One of these counts only if the pieces part along it: rays may miss what lies
+//! across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do not, and
+//! the region keeps its own direction.)
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
