@@ -283,8 +283,8 @@ pub struct Counters {
     pub pockets_passed: u64,
     /// Facets of envelopes that a box was held against.
     pub facets_compared: u64,
-    /// Models whose concavities were made: by the first query of a pair that needs them and [has
-    /// none given](crate::PairMemory::hold_concavities), of two bodies of one model once.
+    /// Models whose concavities were made: by the first query of a pair that needs them, of two
+    /// bodies of one model once.
     pub concavities_made: u64,
 }
 
