@@ -106,11 +106,7 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
     if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
         return None;
     }
-    let mut ways = local_ways(region, own, (ways, enough));
-    // What leads all out is no shorter than the longest of their ways.
-    if ways.iter().any(|way| way.1 >= enough) {
-        return None;
-    }
+    let mut ways = local_ways(region, own, (ways, enough))?;
     if region.has_faces_between(own)
         && let Some(most) = parts_at(region, own.normal, (region.clear(), enough))
     {
@@ -128,7 +124,7 @@ fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
 /// along some direction.
 pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -> bool {
-    let ways = local_ways(region, own, (None, depth));
+    let Some(ways) = local_ways(region, own, (None, depth)) else { return false };
     let out = least_translation(&[ways, grazing_sides(region, own)].concat());
     let Some(n) = out.try_normalize() else { return false };
     let mut tried = directions(region, Some(n)).into_iter();
@@ -138,19 +134,25 @@ pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -
 /// A direction in which a vertex or a side gets out, and how far that is.
 type LocalWay = (DVec3, f64);
 
-/// What leads vertices out: their nearest ways, which are sought where they are not given. A vertex
-/// whose nearest way leads past an edge of the piece got a longer one, which is left out. Of one
-/// that is shorter than `enough` this does not matter.
+/// What leads vertices out: their nearest ways, which are sought where they are not given. `None`
+/// where one is no shorter than `enough`: what leads all out is no shorter than that. A vertex
+/// whose nearest way leads past an edge of the piece got a longer one, which does not count.
 fn local_ways(
     region: &MeasuredRegion,
     own: &Contact,
     (nearest, enough): (Option<&[Contact]>, f64),
-) -> Vec<LocalWay> {
+) -> Option<Vec<LocalWay>> {
     let found = nearest.is_none().then(|| nearest_ways_out(region, own));
-    let ways = nearest.or(found.as_deref()).into_iter().flatten();
-    let ways = ways.filter(|way| way.separation > own.separation);
-    let ways = ways.filter(|way| -way.separation < enough || !leads_past_an_edge(region, way));
-    ways.map(|way| (way.normal, region.clear() - way.separation)).collect()
+    let mut ways = Vec::new();
+    for way in nearest.or(found.as_deref()).into_iter().flatten() {
+        let length = region.clear() - way.separation;
+        if length < enough {
+            ways.push((way.normal, length));
+        } else if way.separation > own.separation && !leads_past_an_edge(region, way) {
+            return None;
+        }
+    }
+    Some(ways)
 }
 
 /// Whether a vertex is far nearer to a face of the other body that is none of the piece.
