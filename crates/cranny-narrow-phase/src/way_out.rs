@@ -49,7 +49,8 @@ const REACHES: f64 = 0.5;
 /// nearly along the region's direction: those there are what has dug in.
 const OPPOSITE: f64 = 0.9;
 
-/// By what part of the depth sides that graze each other overlap at most.
+/// By what part of the depth sides that graze each other overlap at most; and to what part of its
+/// way a vertex is near another face, where that way leads past it.
 const HAIR: f64 = 0.05;
 
 /// How many times deeper a region is along its own direction than along another that takes its
