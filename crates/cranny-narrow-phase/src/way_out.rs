@@ -220,8 +220,8 @@ fn hair((n, ps): &Plane, (m, qs): &Plane, own: &Contact) -> Option<f64> {
 
 /// A given direction, the pieces' own face normals, no two of these alike, and what is half-way
 /// from the given one to each of them at up to [`ASIDE`] beyond a right angle: out of a corner of
-/// two sides (of three no half-way direction leads), where flush sides
-/// that overlap lead no vertex off what an edge stands against.
+/// two sides (of three none may, which is not tested), where flush sides that overlap lead no
+/// vertex off what an edge stands against.
 fn directions(region: &MeasuredRegion, given: Option<DVec3>) -> Vec<DVec3> {
     let mut directions: Vec<DVec3> = given.into_iter().collect();
     for side in Side::BOTH {
