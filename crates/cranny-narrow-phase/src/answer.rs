@@ -170,11 +170,14 @@ pub struct Region {
     /// The contact of least separation.
     pub deepest: Contact,
     /// Unit, from A to B: direction of the area that the region's curves enclose, or another where
-    /// that takes several times farther to part it; of the deepest contact where there are no
-    /// curves. It describes the region; contacts have normals of their own.
+    /// that takes several times farther to part it; of the deepest contact where no short
+    /// translation parts it, and where there are no curves. It describes the region; contacts have
+    /// normals of their own.
     pub normal: DVec3,
     /// The least translation along `normal` that parts the two surface pieces that the curves cut
-    /// out: 0 where they only touch, `None` where the bodies are apart or a surface is open.
+    /// out; of pieces that no short one parts, as of a tongue that a slot squeezes from both sides,
+    /// how deep the deepest vertex or middle of a face lies. 0 where they only touch, `None` where
+    /// the bodies are apart or a surface is open.
     pub depth: Option<f64>,
     /// Area enclosed by the curves, projected onto the plane of `normal`; `None` as for `depth`.
     pub area: Option<f64>,

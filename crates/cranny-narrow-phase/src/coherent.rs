@@ -340,16 +340,6 @@ impl Coherent {
         self.crossing.extend(crossing().step_by(stride).map(|p| [p.first, p.second]));
     }
 
-    /// Faces that crossed last.
-    pub(crate) fn crossing_of(&self, pair: &Pair) -> &[[FaceId; 2]] {
-        if self.tag.is_of(pair) { &self.crossing } else { &[] }
-    }
-
-    /// Faces that were nearest last.
-    pub(crate) fn nearest_of(&self, pair: &Pair) -> Option<[FaceId; 2]> {
-        self.nearest.filter(|_| self.tag.is_of(pair))
-    }
-
     pub(crate) fn bytes(&self) -> usize {
         self.crossing.capacity() * size_of::<[FaceId; 2]>()
             + self.foremost.bytes()

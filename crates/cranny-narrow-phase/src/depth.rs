@@ -10,14 +10,15 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
-use crate::answer::{Contact, Feature};
+use crate::answer::{Contact, Counters, Feature};
 use crate::borders::Borders;
 use crate::footprints::Footprints;
+use crate::inside::is_inside;
 use crate::intersection::Intersection;
+use crate::nearest_on::NearestOn;
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
-use crate::special_position::STEEPEST;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
@@ -46,6 +47,14 @@ struct Depths {
     /// and three corners of four come out past the curve.
     all: Vec<Contact>,
 }
+
+/// In how many equal parts the line of a contact is divided, to see whether it leaves the overlap.
+/// Fewer: it passes over gaps; more: what is deep takes longer.
+const PLACES: u32 = 8;
+
+/// A place of such a line is outside a solid where it is farther from it than this part of the
+/// line's length. Smaller: lines along flush sides leave the overlap; larger: they pass over gaps.
+const BESIDE: f64 = 1e-3;
 
 /// A direction that depths are measured along.
 #[derive(Clone, Copy)]
@@ -118,19 +127,20 @@ impl<'a, 'b> MeasuredRegion<'a, 'b> {
         BEYOND * self.pair.length_error()
     }
 
-    /// Whether faces of the pieces lie between the points of a contact, as between the turns of a
-    /// thread: there is a gap, or a face reaches beyond its piece. Faces that are seen edge-on do
-    /// not count: of these, rounding decides.
-    pub(crate) fn has_faces_between(&self, contact: &Contact) -> bool {
-        let view = View { region: self, way: Way::along(contact.normal) };
-        let between = self.clear()..-contact.separation - self.clear();
-        let is_steep = |[a, b, c]: &[DVec3; 3]| {
-            let area = (*b - *a).cross(*c - *a);
-            view.height(area).abs() <= STEEPEST * area.length()
-        };
-        let faces = self.triangles.iter().flatten().filter(|face| !is_steep(face));
-        let mut feet = faces.filter_map(|face| view.foot(contact.point_a, face));
-        feet.any(|foot| between.contains(&view.height(contact.point_a - foot)))
+    /// Whether the line between the points of a contact leaves what both solids hold, as between
+    /// the turns of a thread or from one side of a slot to the other: nothing has dug in so deep.
+    /// A line along a side or an edge does not leave it: of that, rounding decides.
+    pub(crate) fn reaches_over_a_gap(&self, contact: &Contact) -> bool {
+        let counters = &mut Counters::default();
+        let beside = BESIDE * -contact.separation;
+        (1..PLACES).any(|i| {
+            let p = contact.point_a.lerp(contact.point_b, f64::from(i) / f64::from(PLACES));
+            Side::BOTH.iter().any(|&side| {
+                let mut surface = NearestOn::of(self.pair, side);
+                !is_inside(self.pair, side, p, counters)
+                    && surface.to(p, counters).distance > beside
+            })
+        })
     }
 
     /// A contact of depth 0 at the first point of the curves.

@@ -58,6 +58,10 @@ pub(crate) fn locate(
     }
 }
 
+pub(crate) fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
+    locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
+}
+
 /// The unit vector towards the nearest side of a box: what goes out there meets few faces.
 fn shortest_way_out(bounds: &Aabb, p: DVec3) -> DVec3 {
     let ways = [DVec3::X, DVec3::Y, DVec3::Z]

@@ -46,9 +46,9 @@
 //! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses) and are
 //! searched by boxes over faces (`descent`);
 //! `brute_force` is the slow, obviously right version of the verdict and the distance. `observe`
-//! shows what memory holds and what a search looks at, for drawing, and `heat` sums the latter up:
-//! work is counted in a `tally`, which is compiled with an observer and without. `verify` computes
-//! every answer twice, with memory and without: [`query_verified`].
+//! shows what a search looks at, for drawing, and `heat` sums it up: work is counted in a `tally`,
+//! which is compiled with an observer and without. `verify` computes every answer twice, with
+//! memory and without: [`query_verified`].
 //!
 //! [`operations`] are the operations that a query is made of, for other methods about pairs. Crates
 //! above this one are such methods: `cranny-estimate` says what is certain of a pair within a
@@ -127,7 +127,7 @@ pub use fields::Fields;
 pub use heat::SearchHeat;
 pub use memory::PairMemory;
 pub use motion::drift;
-pub use observe::{ComparedBoxes, PairObserver, SearchObserver};
+pub use observe::{ComparedBoxes, SearchObserver};
 pub use penetration::Penetration;
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};

@@ -40,7 +40,8 @@ impl Penetration {
         Self { normal: map.apply_vector(self.normal), deepest: self.deepest.moved(map) }
     }
 
-    /// The least translation along the normal that parts the region, >= 0.
+    /// The least translation along the normal that parts the region, >= 0; where no short one does,
+    /// how deep its deepest place lies, as [`Region::depth`].
     #[must_use]
     pub fn depth(&self) -> f64 {
         -self.deepest.separation

@@ -9,13 +9,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use cranny_concavity::Concavities;
-use cranny_concavity::pockets::{MetParts, Near, PocketBody, PocketCounters, Pockets, PosedModels};
+use cranny_concavity::pockets::{Near, PocketBody, PocketCounters, Pockets, PosedModels};
 use cranny_exact::{Meeting, RigidMap};
 use cranny_geometry::FaceId;
 
 use crate::descent::for_each_near_pair_beneath;
 use crate::motion::{Ball, RelativeMotion};
-use crate::observe::PairObserver;
 use crate::pair::{Pair, PairTag, Side};
 use crate::per_model::PerModel;
 use crate::surface::{FacePair, looked_at};
@@ -97,32 +96,6 @@ impl PocketMemory {
             bodies
         });
         bodies.clone()
-    }
-
-    /// Whether the last query was about these models at this pose.
-    fn is_at(&self, pair: &Pair) -> bool {
-        self.tag.is_of(pair) && self.map.is_some_and(|map| map == pair.first_from_second)
-    }
-
-    /// Shows what the last query, if it was this one, has opened and closed, and which parts it
-    /// compared with each other.
-    pub(crate) fn show(&self, pair: &Pair, observer: &mut impl PairObserver) {
-        let [ours, theirs] = Side::BOTH.map(|side| pair.bounds(side));
-        let Some(both) = self.bodies.as_ref().filter(|_| self.is_at(pair)) else { return };
-        if !ours.overlaps(&theirs) {
-            return;
-        }
-        for [first, second] in self.pockets.parts(both.both()) {
-            let [a, b] = pair.ordered(first, second);
-            observer.parts(MetParts { a, b });
-        }
-        for side in Side::BOTH {
-            let [is_first, is_second] = [side == Side::First, side == Side::Second];
-            let body = usize::from(pair.ordered(is_first, is_second)[1]);
-            let [opened, closed] = self.pockets.changed(side.index());
-            opened.into_iter().for_each(|id| observer.opened(body, id));
-            closed.into_iter().for_each(|id| observer.closed(body, id));
-        }
     }
 
     pub(crate) fn bytes(&self) -> usize {

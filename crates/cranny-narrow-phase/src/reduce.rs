@@ -15,6 +15,7 @@
 use cranny_exact::DVec3;
 
 use crate::answer::Contact;
+use crate::contacts::nearer;
 
 /// Cosine of the angle (15 degrees) within which normals count as one direction. Larger: more
 /// contacts for a curved region; smaller: a curved region loses directions that it needs.
@@ -62,16 +63,11 @@ pub fn reduce_level(contacts: Vec<Contact>) -> Vec<Contact> {
     of_directions(contacts, SAME_NORMAL)
 }
 
-/// The deepest first, and the lowest ids.
-fn order(x: &Contact, y: &Contact) -> std::cmp::Ordering {
-    x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id))
-}
-
 fn of_directions(mut contacts: Vec<Contact>, cosine: f64) -> Vec<Contact> {
     if contacts.len() < 2 {
         return contacts;
     }
-    contacts.sort_by(order);
+    contacts.sort_by(nearer);
     let mut normals: Vec<DVec3> = Vec::new();
     let with_direction = |contact: Contact| {
         let known = normals.iter().position(|normal| normal.dot(contact.normal) >= cosine);
@@ -86,7 +82,7 @@ fn of_directions(mut contacts: Vec<Contact>, cosine: f64) -> Vec<Contact> {
     all.sort_by_key(|(direction, _)| *direction);
     let groups = all.chunk_by(|(one, _), (other, _)| one == other);
     let mut kept: Vec<Contact> = groups.flat_map(spanning).collect();
-    kept.sort_by(order);
+    kept.sort_by(nearer);
     kept
 }
 

@@ -33,7 +33,7 @@ const SHARE: f64 = 0.125;
 
 /// A plane that leans from the normal of a contact by a sine of less is not met along it: rounding
 /// is multiplied by the inverse. Larger: contacts on steep faces stay off by a nudge.
-pub(crate) const STEEPEST: f64 = 1e-3;
+const STEEPEST: f64 = 1e-3;
 
 /// What `read` finds at a pair's own position, or beside it where that is a special one, and by how
 /// much its depths may be off; `depth` is the depth of one of its results. Empty where nothing

@@ -8,15 +8,20 @@
 //! its vertices have far shorter ways out, the region is looked at again. Where the deepest
 //! contact reaches over a gap and the pieces part sooner, what lies beyond the gap does not count.
 //! Otherwise other directions are measured as well: the least translation that leads all those
-//! vertices out and all those sides apart, normals of the faces, and what is half-way between it
-//! and each of them. One of these counts only if the pieces part along it: rays may miss what lies
-//! across. (Whole faces are looked at; of coarse meshes they may hold where the pieces do not, and
-//! the region keeps its own direction.)
+//! vertices out, without the sides that graze and with them, normals of the faces, and what is
+//! half-way between it and each of them. One of these counts only if the pieces part along it: rays
+//! may miss what lies across. (Whole faces are looked at; of coarse meshes they may hold where the
+//! pieces do not.) What is squeezed from both ends parts along none: a tongue in a slot, a thread
+//! in a thread that is out of phase. Where the deepest contact reaches over a gap there, or most
+//! sides graze, the region is as deep as the deepest vertex or middle of a face, and moving it so
+//! far does not part it.
 
 use cranny_exact::{Aabb, DVec3, classify_triangles};
 
 use crate::answer::{Contact, Counters, Feature};
+use crate::contacts::nearer;
 use crate::depth::{MeasuredRegion, Way};
+use crate::inside::is_inside;
 use crate::nearest_on::NearestOn;
 use crate::pair::Side;
 use cranny_geometry::FaceId;
@@ -83,77 +88,149 @@ pub(crate) fn way_out(region: &MeasuredRegion, others: Others) -> (Contact, Vec<
     let keeps = others == Others::Along;
     let own = region.measure(Way::along(own_direction(region)), keeps);
     let nearest = (others == Others::Nearest).then(|| nearest_ways_out(region, &own.0));
-    let shallower = shallower_way(region, &own.0, nearest.as_deref());
-    let (deepest, along) = shallower.map_or(own, |way| region.measure(way, keeps));
+    let enough = -own.0.separation / FAR_DEEPER;
+    let shallower = shallower(region, &own.0, (nearest.as_deref(), enough));
+    let found = shallower.and_then(|shallower| match shallower {
+        Shallower::Along(way) => Some(region.measure(way, keeps)),
+        Shallower::Inside => {
+            let place = deepest_place(region).filter(|c| c.separation > own.0.separation);
+            place.map(|place| (place, nearest_ways_out(region, &own.0)))
+        }
+    });
+    let (deepest, along) = found.unwrap_or(own);
     (deepest, nearest.unwrap_or(along))
 }
 
 /// The direction of the area that the curves enclose; of the least depth where they enclose none.
 fn own_direction(region: &MeasuredRegion) -> DVec3 {
     region.outline().normal().unwrap_or_else(|| {
-        let centers =
-            region.pair.bounds(Side::Second).center() - region.pair.bounds(Side::First).center();
-        let toward = centers.try_normalize().unwrap_or(DVec3::Z);
+        let [from, to] = Side::BOTH.map(|side| region.pair.bounds(side).center());
+        let toward = (to - from).try_normalize().unwrap_or(DVec3::Z);
         let tried = directions(region, Some(toward));
         least_deep(region, tried, f64::INFINITY, |_, _| true).unwrap_or(toward)
     })
 }
 
-/// A way along which a region parts far sooner than it is deep by its deepest contact `own`: along
-/// the same normal, where that contact reaches over a gap, as from one turn of a thread to another;
-/// only where it does not part so, in another direction.
-fn shallower_way(region: &MeasuredRegion, own: &Contact, ways: Option<&[Contact]>) -> Option<Way> {
-    let enough = -own.separation / FAR_DEEPER;
-    if region.reach_of_curves(own.normal) <= REACHES * -own.separation {
+/// How a region is far less deep than along its own direction.
+enum Shallower {
+    /// It parts along this way.
+    Along(Way),
+    /// It parts in no direction that is tried, and is as deep as its deepest place.
+    Inside,
+}
+
+/// How a region is less deep than `enough`, although its deepest contact `own` is deeper: along the
+/// same normal, where that contact reaches over a gap, as from one turn of a thread to another;
+/// where it does not part so, in another direction; where it parts in none that is tried, but the
+/// contact reaches over a gap or most sides graze, as deep as its deepest place.
+fn shallower(
+    region: &MeasuredRegion,
+    own: &Contact,
+    (nearest, enough): (Option<&[Contact]>, f64),
+) -> Option<Shallower> {
+    let depth = -own.separation;
+    if depth <= region.clear() || region.reach_of_curves(own.normal) <= REACHES * depth {
         return None;
     }
-    let mut ways = local_ways(region, own, (ways, enough))?;
-    if region.has_faces_between(own)
-        && let Some(most) = parts_at(region, own.normal, (region.clear(), enough))
+    let inside = inside(region, own, (nearest, enough))?;
+    let reaches_over_a_gap = region.reaches_over_a_gap(own);
+    if reaches_over_a_gap && let Some(most) = parts_at(region, own.normal, (region.clear(), enough))
     {
-        return Some(Way { normal: own.normal, most });
+        return Some(Shallower::Along(Way { normal: own.normal, most }));
     }
-    if least_translation(&ways).length() >= enough {
-        return None;
+    if let Some(n) = parts_along(region, own, &inside, enough) {
+        return Some(Shallower::Along(Way::along(n)));
     }
-    ways.extend(grazing_sides(region, own));
-    let together = least_translation(&ways).try_normalize();
-    let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
-    least_deep(region, directions(region, together), enough, parts).map(Way::along)
+    (reaches_over_a_gap || mostly_grazes(region, own)).then_some(Shallower::Inside)
 }
 
 /// Whether a region parts by less than a depth, in whatever direction. `own` is its deepest contact
 /// along some direction.
 pub(crate) fn parts_within(region: &MeasuredRegion, own: &Contact, depth: f64) -> bool {
-    let Some(ways) = local_ways(region, own, (None, depth)) else { return false };
-    let out = least_translation(&[ways, grazing_sides(region, own)].concat());
-    let Some(n) = out.try_normalize() else { return false };
-    let mut tried = directions(region, Some(n)).into_iter();
-    tried.any(|n| parts_at(region, n, (out.length(), depth)).is_some())
+    let Some(inside) = inside(region, own, (None, depth)) else { return false };
+    let [_, apart] = least_translations(region, own, &inside);
+    let tried = apart.try_normalize().map_or(Vec::new(), |n| directions(region, Some(n)));
+    tried.into_iter().any(|n| parts_at(region, n, (apart.length(), depth)).is_some())
+}
+
+/// The direction in which a region parts by the least, if that is less than `enough`.
+fn parts_along(
+    region: &MeasuredRegion,
+    own: &Contact,
+    inside: &[Contact],
+    enough: f64,
+) -> Option<DVec3> {
+    let [out, apart] = least_translations(region, own, inside);
+    if out.length() >= enough {
+        return None;
+    }
+    let tried = [out, apart].map(|way| directions(region, way.try_normalize())).concat();
+    let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
+    least_deep(region, tried, enough, parts)
+}
+
+/// The least translation that leads all vertices out, and the least that also leads apart the
+/// sides that graze.
+fn least_translations(region: &MeasuredRegion, own: &Contact, inside: &[Contact]) -> [DVec3; 2] {
+    let ways = inside.iter().map(|way| (way.normal, region.clear() - way.separation));
+    let ways: Vec<LocalWay> = ways.collect();
+    [least_translation(&ways), least_translation(&[ways, grazing_sides(region, own)].concat())]
 }
 
 /// A direction in which a vertex or a side gets out, and how far that is.
 type LocalWay = (DVec3, f64);
 
-/// What leads vertices out: their nearest ways, which are sought where they are not given. `None`
-/// where one is no shorter than `enough`: what leads all out is no shorter than that. A vertex
-/// whose nearest way leads past an edge of the piece got a longer one, which does not count.
-fn local_ways(
+/// Of the pieces' vertices and the middles of their faces, or some of many, the deepest, with the
+/// nearest point of the other body's surface. A vertex in a corner that is squeezed lies by a hair
+/// behind a side; the middles between say how far the body has sunk in.
+fn deepest_place(region: &MeasuredRegion) -> Option<Contact> {
+    let (pair, counters) = (region.pair, &mut Counters::default());
+    let mut deepest: Option<Contact> = None;
+    for side in Side::BOTH {
+        let mut surface = NearestOn::of(pair, side.other());
+        let piece = &region.cut.pieces[side.index()];
+        let vertices = piece.vertices.iter().map(|&v| (Feature::Vertex(v), pair.position(side, v)));
+        let stride = piece.faces.len().div_ceil(MAX_SAMPLES).max(1);
+        let middles = piece.faces.iter().zip(&region.triangles[side.index()]).step_by(stride);
+        let middles = middles.map(|(&f, [a, b, c])| (Feature::Face(f), (*a + *b + *c) / 3.0));
+        for (own, p) in vertices.chain(middles) {
+            let nearest = surface.to(p, counters);
+            let contact = side.in_order(Contact {
+                id: (own, Feature::Face(nearest.face)),
+                point_a: p,
+                point_b: nearest.foot,
+                normal: -pair.normal(side.other(), nearest.face),
+                separation: -nearest.distance,
+            });
+            let is_deeper = deepest.is_none_or(|deepest| nearer(&contact, &deepest).is_lt());
+            let is_vertex = matches!(own, Feature::Vertex(_));
+            if is_deeper && (is_vertex || is_inside(pair, side.other(), p, counters)) {
+                deepest = Some(contact);
+            }
+        }
+    }
+    deepest
+}
+
+/// Vertices inside the other body, with their nearest ways out, which are sought where they are not
+/// given. `None` where one is no shorter than `enough`: what leads all out is no shorter than that.
+/// A vertex whose nearest way leads past an edge of the piece got a longer one, which does not
+/// count.
+fn inside(
     region: &MeasuredRegion,
     own: &Contact,
     (nearest, enough): (Option<&[Contact]>, f64),
-) -> Option<Vec<LocalWay>> {
+) -> Option<Vec<Contact>> {
     let found = nearest.is_none().then(|| nearest_ways_out(region, own));
-    let mut ways = Vec::new();
-    for way in nearest.or(found.as_deref()).into_iter().flatten() {
-        let length = region.clear() - way.separation;
-        if length < enough {
-            ways.push((way.normal, length));
-        } else if way.separation > own.separation && !leads_past_an_edge(region, way) {
+    let mut short = Vec::new();
+    for &way in nearest.or(found.as_deref()).into_iter().flatten() {
+        if region.clear() - way.separation < enough {
+            short.push(way);
+        } else if way.separation > own.separation && !leads_past_an_edge(region, &way) {
             return None;
         }
     }
-    Some(ways)
+    Some(short)
 }
 
 /// Whether a vertex is far nearer to a face of the other body that is none of the piece.
@@ -269,9 +346,9 @@ fn least_deep(
 /// pieces do not meet any more. Where the least is what the ways of vertices say, a corner that
 /// none of them and no side stands for holds beyond it.
 fn parts_at(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> Option<f64> {
-    let axis = widest(region);
     let boxed = |triangle: [DVec3; 3]| (Aabb::of_points(triangle), triangle);
     let [first, second] = &region.triangles;
+    let axis = Aabb::of_points(first.iter().flatten().copied()).half_extents().max_position();
     let mut first: Vec<_> = first.iter().map(|&t| boxed(t)).collect();
     first.sort_unstable_by(|(x, _), (y, _)| x.min[axis].total_cmp(&y.min[axis]));
     let meets = |translation: DVec3, triangle: &[DVec3; 3]| {
@@ -283,12 +360,6 @@ fn parts_at(region: &MeasuredRegion, n: DVec3, (least, most): (f64, f64)) -> Opt
     let lengths = std::iter::successors(Some(least), |length| Some(FARTHER * length));
     let mut lengths = lengths.take_while(|length| *length <= most);
     lengths.find(|length| !second.iter().any(|triangle| meets(length * n, triangle)))
-}
-
-/// The axis along which the first body's piece is longest.
-fn widest(region: &MeasuredRegion) -> usize {
-    let size = Aabb::of_points(region.triangles[0].iter().flatten().copied()).half_extents();
-    (0..3).max_by(|&i, &j| size[i].total_cmp(&size[j])).unwrap_or(0)
 }
 
 /// Whether some face of the first body's piece looks along `n`, and some of the second's against

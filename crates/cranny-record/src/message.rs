@@ -143,7 +143,8 @@ pub struct RegionMessage {
     pub deepest: ContactMessage,
     /// Describes the region.
     pub normal: VectorMessage,
-    /// Least translation along the normal that parts the pieces; absent where there is none.
+    /// Least translation along the normal that parts the pieces, or how deep the deepest place lies
+    /// where no short one does; absent where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<f64>,
     /// Enclosed area, projected along the normal; absent where there is none.

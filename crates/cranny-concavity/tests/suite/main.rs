@@ -8,6 +8,7 @@ mod from_bytes;
 mod leaf_sizes;
 #[path = "../../../cranny-geometry/tests/suite/meshes.rs"]
 mod meshes;
+mod observe;
 mod walk;
 
 // Where the fuzz targets and the tests of cranny-scene have them, too.

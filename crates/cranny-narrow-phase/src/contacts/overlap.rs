@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use cranny_exact::{Aabb, DVec3, WeightedPoint};
+use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{EdgeId, PatchId, VertexId};
 
 use super::coarse::Coarse;
@@ -20,7 +20,7 @@ use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use super::{nearer, patches_of};
 use crate::answer::{Contact, Feature};
-use crate::inside::{Location, locate};
+use crate::inside::is_inside;
 use crate::nearest_on::{NearestFace, NearestOn};
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
@@ -105,10 +105,6 @@ impl<'p, 'm> Overlaps<'p, 'm> {
             _ => 0.0,
         }
     }
-}
-
-fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut impl Tally) -> bool {
-    locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
 }
 
 fn vertices_inside(

@@ -8,8 +8,8 @@
 //!
 //! A region most of whose sides graze each other is left out, and one that parts by as little as
 //! its contacts say in some other direction: what overlaps there by a hair reaches as far as the
-//! sides do, and nothing has dug in so deep. Left out is also what is as deep as from one turn of a
-//! thread to another: there is a gap between.
+//! sides do. So is what reaches over a gap, as from one turn of a thread to another. Nothing has
+//! dug in so deep.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
@@ -21,6 +21,7 @@ use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
+use crate::regions::is_closed;
 use crate::surface::FacePair;
 use crate::way_out::{mostly_grazes, parts_within};
 
@@ -41,9 +42,7 @@ pub(super) fn contacts_of_walls(
     known: &[Contact],
 ) -> Vec<Contact> {
     let mut found = Vec::new();
-    if !Side::BOTH.iter().all(|&side| pair.model(side).is_closed())
-        || !meeting.iter().any(|faces| is_pierced_sharply(pair, faces))
-    {
+    if !is_closed(pair) || !meeting.iter().any(|faces| is_pierced_sharply(pair, faces)) {
         return found;
     }
     let intersection = intersect(pair, meeting);
@@ -66,7 +65,7 @@ pub(super) fn contacts_of_walls(
         let region = MeasuredRegion::of(pair, &intersection, pieces);
         let own = region.measure(Way::along(normal), false).0;
         if -own.separation <= shallow
-            || region.has_faces_between(&own)
+            || region.reaches_over_a_gap(&own)
             || mostly_grazes(&region, &own)
             || parts_within(&region, &own, shallow)
         {

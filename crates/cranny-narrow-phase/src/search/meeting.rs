@@ -204,13 +204,9 @@ pub(crate) fn meeting_faces(
     meets: Meets,
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
-    let mut none = Vec::new();
-    match meets {
-        Meets::UpToCrossing => {
-            near_clusters::<true>(pair, ground, (None, meets), &mut none, counters)
-        }
-        _ => near_clusters::<false>(pair, ground, (None, meets), &mut none, counters),
-    }
+    let first = meets == Meets::UpToCrossing;
+    let search = if first { near_clusters::<true> } else { near_clusters::<false> };
+    search(pair, ground, (None, meets), &mut Vec::new(), counters)
 }
 
 /// All pairs of faces that meet, by ascending ids, for a caller that searches once.

@@ -8,7 +8,7 @@ use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
 use cranny_narrow_phase::{
     Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force, query,
 };
-use cranny_shapes::{CPrism, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
+use cranny_shapes::{CPrism, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus, UPrism};
 use cranny_testkit::{Rng, from_surface, world_triangles};
 
 use crate::solids::{ask, at, model, octahedron, shape};
@@ -462,6 +462,65 @@ fn what_is_squeezed_in_a_slot_is_as_deep_as_it_takes_to_part_it() {
         squeezed += usize::from(answer.regions.len() == 1);
     }
     assert!(squeezed > 40, "{squeezed}");
+}
+
+/// The same where the sides are squeezed from both ends: no direction parts the pieces by less than
+/// their sides are high, and what lies between is a slot.
+#[test]
+fn what_is_squeezed_from_both_ends_is_as_deep_as_its_vertices_are() {
+    let turn =
+        [0.7070673562493874, -0.00040030432063056255, -0.000404775862156183, 0.7071459747742712];
+    let middle = DVec3::new(-2.0000569820404053, -0.0008357163169421256, 0.4248265326023102);
+    let first = Pose { rotation: DQuat::from_array(turn), translation: middle };
+    let turn = [-0.42737814358027437, 0.5633362171611881, -0.42801403072126704, 0.5628536384621987];
+    let middle = DVec3::new(-2.000240564404761, -0.1642607768719026, 0.7360167137788975);
+    // The same solid, cut into other triangles.
+    for u in [shape(UPrism::default()), letter("u")] {
+        let a = Placed { model: &u, pose: first };
+        for step in -50..=50 {
+            let translation = middle + 1e-9 * f64::from(step) * DVec3::new(1.0, 0.3, 0.2);
+            let pose = Pose { rotation: DQuat::from_array(turn), translation };
+            let b = Placed { model: &u, pose };
+            let answer = ask(a, b, Demand::Regions { margin: 0.0 });
+            let found = contacts(a, b, 0.0);
+            check(a, b, 0.0, &found);
+            assert!((5e-4..3e-3).contains(&answer.depth()), "{step}: {}", answer.depth());
+            assert!((5e-4..1e-3).contains(&found.depth()), "{step}: {:?}", found.contacts[0]);
+        }
+    }
+}
+
+/// A cuboid that fits its slot, or is too wide by a hair on each side, has sunk into the floor. The
+/// region is neither as deep as the sides are high, nor as the hair is.
+#[test]
+fn what_has_sunk_into_the_floor_of_a_tight_slot_is_as_deep_as_it_has_sunk() {
+    let slot = shape(UPrism::default());
+    for (hair, floors) in [(0.0, [0.002, 0.01, 0.1]), (0.001, [0.002, 0.01, 0.1])] {
+        for (length, height) in [(0.3, 0.4), (0.5, 0.4)] {
+            let cuboid = shape(Cuboid { size: [0.5 + 2.0 * hair, height, length] });
+            for floor in floors {
+                let b = at(&cuboid, 0.0, -0.175 + 0.5 * height - floor, 0.0);
+                let depth =
+                    ask(at(&slot, 0.0, 0.0, 0.0), b, Demand::Regions { margin: 0.0 }).depth();
+                let is_right = (0.99 * floor..1.5 * floor).contains(&depth);
+                assert!(is_right, "{hair} {length} {floor}: {depth}");
+            }
+        }
+    }
+}
+
+/// A nut stands half a turn out of phase: thread in thread, squeezed by both flanks. It is as deep
+/// as the threads are in each other, and not as the bolt is wide.
+#[test]
+fn threads_out_of_phase_are_no_deeper_than_they_are_high() {
+    let bolt = shape(IsoBolt { diameter: 16.0, pitch: 2.0, segments: 36, ..IsoBolt::default() });
+    let nut = IsoNut { diameter: 16.0, pitch: 2.0, clearance: 0.1, ..IsoNut::default() };
+    let nut = shape(IsoNut { segments: 36, ..nut });
+    for (off, depths) in [(0.3, 0.2..0.3), (0.5, 0.4..0.5), (0.7, 0.5..0.7), (1.0, 0.5..0.9)] {
+        let nut = at(&nut, 0.0, 0.0, 20.0 + off);
+        let depth = ask(at(&bolt, 0.0, 0.0, 0.0), nut, Demand::Regions { margin: 0.0 }).depth();
+        assert!(depths.contains(&depth), "{off}: {depth}");
+    }
 }
 
 /// Flanks of a coarse thread overlap by less than 0.1, over several turns in one region. Along the

@@ -12,7 +12,6 @@ mod distances;
 mod gaps;
 mod heat;
 mod needles;
-mod observe;
 mod pockets;
 mod regions;
 mod rounded;
