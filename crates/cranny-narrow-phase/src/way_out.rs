@@ -94,7 +94,8 @@ pub(crate) fn way_out(region: &MeasuredRegion, others: Others) -> (Contact, Vec<
         Shallower::Along(way) => Some(region.measure(way, keeps)),
         Shallower::Inside => {
             let place = deepest_place(region).filter(|c| c.separation > own.0.separation);
-            place.map(|place| (place, nearest_ways_out(region, &own.0)))
+            let others = || if keeps { nearest_ways_out(region, &own.0) } else { Vec::new() };
+            place.map(|place| (place, others()))
         }
     });
     let (deepest, along) = found.unwrap_or(own);
