@@ -134,12 +134,12 @@ impl Coherent {
         (surface, touching)
     }
 
-    /// Faces that meet, all or up to the first that crosses. `keeps`: a cut may be built for it.
+    /// Faces that meet, all or up to the first that crosses. `builds`: a cut may be built for it.
     fn meet(
         &mut self,
         pair: &Pair,
         (meets, below): (Meets, Option<f64>),
-        keeps: bool,
+        builds: bool,
         counters: &mut impl Tally,
     ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
@@ -147,11 +147,7 @@ impl Coherent {
         // Far enough for the next step to be proved free of meetings.
         let (build, spare) = ahead(pair, step);
         let reach = Reach { least: 0.0, build, outgrown: build, spare, most: f64::INFINITY };
-        let cut = match keeps {
-            true => self.cut.at(pair, &ground, reach, counters),
-            false => None,
-        };
-        match cut {
+        match self.cut.at(pair, &ground, (reach, builds), counters) {
             Some(cut) => {
                 let (surface, found, stayed_apart) =
                     near_in(cut, pair, &ground, (None, meets, step), &mut Vec::new(), counters);
@@ -162,14 +158,16 @@ impl Coherent {
                 // Without a distance to begin with, or after a jump, a crossing is come across
                 // late; and where faces crossed before, they mostly do.
                 let is_followed = step <= JUMP * smaller_radius(pair) && self.nearest.is_some();
-                if let Some(below) = below.filter(|_| keeps && is_followed) {
+                if let Some(below) = below.filter(|_| builds && is_followed) {
                     let mut nearest = self.seeded(pair, below, counters);
                     if !nearest_faces(&ground, (&mut nearest, true), counters) {
                         self.measured = Some(nearest.found());
                         return (Meeting::None, Vec::new());
                     }
                 }
-                meeting_faces(pair, &ground, meets, counters)
+                // What was apart at the last pose mostly still is, and then everything is visited:
+                // an order costs more than it finds sooner.
+                meeting_faces(pair, &ground, (meets, self.apart.is_some()), counters)
             }
         }
     }
@@ -203,7 +201,7 @@ impl Coherent {
         let build = (GROWTH * reach).max(ahead);
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
         let at = Reach { least: reach, build, outgrown: OUTGROWN * build, spare, most };
-        match self.cut.at(pair, ground, at, counters) {
+        match self.cut.at(pair, ground, (at, true), counters) {
             Some(cut) => {
                 let (surface, found, stayed_apart) =
                     near_in(cut, pair, ground, (lists, meets, step), listed, counters);
@@ -272,7 +270,7 @@ impl Coherent {
             let most = FARTHEST * build;
             let reach = Reach { least: limit, build, outgrown: build, spare, most };
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
-                true => self.cut.at(pair, &ground, reach, counters),
+                true => self.cut.at(pair, &ground, (reach, true), counters),
                 false => None,
             };
             match cut {

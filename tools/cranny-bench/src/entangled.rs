@@ -175,6 +175,10 @@ impl Bench {
             margin: demand.margin().unwrap_or(0.0),
             answers: vec![None; stage.len()],
         });
+        // What a model makes at its first query is nobody's turn.
+        if let Err(why) = cold.run(&[stage.len() / 2]) {
+            return self.differences.push(format!("{}: our query fails: {why}", case.name));
+        }
         let mut contestants: Vec<&mut dyn Contestant> = vec![&mut warm, &mut cold];
         let present = [parry[0].is_some(), parry[1].is_some(), coal.is_some()];
         contestants.extend(parry.iter_mut().flatten().map(|p| p as &mut dyn Contestant));

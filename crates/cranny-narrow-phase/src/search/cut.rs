@@ -46,9 +46,18 @@ struct Block {
     ended: u8,
 }
 
+/// A place of each tree that are to be looked at.
+#[derive(Clone, Copy)]
+struct Place {
+    at: [At; 2],
+    /// A lower bound of how far their boxes are apart, in lengths of a side, but for its error.
+    gap: f32,
+    side: Side,
+}
+
 /// When a block is due: once `turn · radius + shift` reaches the limit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Due {
+pub(crate) struct Due {
     pub(super) radius: f64,
     pub(super) limit: f64,
 }
@@ -158,9 +167,13 @@ impl Cut {
             held_leaves: None,
             built: [0; 2],
         };
-        let mut stack = vec![[At::ROOT; 2]];
+        let mut stack =
+            vec![Place { at: [At::ROOT; 2], gap: f32::NEG_INFINITY, side: Side::First }];
         cut.descend(ground, &mut stack, counters);
         cut.built = [cut.blocks.len(), cut.leaves.len()];
+        spare_room(&mut cut.blocks);
+        spare_room(&mut cut.due);
+        spare_room(&mut cut.leaves);
         cut
     }
 
@@ -245,7 +258,7 @@ impl Cut {
         &mut self,
         index: usize,
         ground: &Ground,
-        stack: &mut Vec<[At; 2]>,
+        stack: &mut Vec<Place>,
         counters: &mut impl Tally,
     ) {
         let block = &mut self.blocks[index];
@@ -256,17 +269,22 @@ impl Cut {
         block.ended = tested.ended;
         counters.counters().front_split += tested.near.count_ones() as u64;
         self.due[index] = tested.due(&self.spent);
-        push(ground, block.at, block.side, tested.near, stack);
+        push(ground, block.at, block.side, &tested, stack);
     }
 
     /// Goes down from what is on the stack, and keeps where that ends.
-    fn descend(&mut self, ground: &Ground, stack: &mut Vec<[At; 2]>, counters: &mut impl Tally) {
-        while let Some(at) = stack.pop() {
+    fn descend(&mut self, ground: &Ground, stack: &mut Vec<Place>, counters: &mut impl Tally) {
+        while let Some(Place { at, gap, side: seen_from }) = stack.pop() {
             let Some(side) = ground.opened(at) else {
                 let pair =
                     Side::BOTH.map(|side| ground.child(side, at[side.index()]).index() as u32);
-                make_room(&mut self.leaves);
-                self.leaves.push(Leaf::new(pair, cluster_radius(ground, &self.pivot, pair[1])));
+                let radius = cluster_radius(ground, &self.pivot, pair[1]);
+                let gap = ground.certain(seen_from, gap) - 2.0 * ground.posing();
+                let limit = match gap > 0.0 {
+                    true => (gap + self.spent.of(radius)).next_down(),
+                    false => f64::NEG_INFINITY,
+                };
+                self.leaves.push(Leaf::new(pair, Due { radius, limit }));
                 continue;
             };
             let node = ground.child(side, at[side.index()]).index();
@@ -276,12 +294,10 @@ impl Cut {
             let tested =
                 test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {
-                make_room(&mut self.due);
-                make_room(&mut self.blocks);
                 self.due.push(tested.due(&self.spent));
                 self.blocks.push(Block { at, side, ended: tested.ended });
             }
-            push(ground, at, side, tested.near, stack);
+            push(ground, at, side, &tested, stack);
         }
     }
 
@@ -297,17 +313,16 @@ impl Cut {
     }
 }
 
-/// Makes room for one more: for no more than a quarter beyond what is there, since a cut is kept.
-fn make_room<T>(list: &mut Vec<T>) {
-    if list.len() == list.capacity() {
-        list.reserve_exact(list.len() / 4 + 8);
-    }
+/// Leaves room for a quarter more than is there: a cut is kept.
+fn spare_room<T>(list: &mut Vec<T>) {
+    list.shrink_to(list.len() + list.len() / 4 + 8);
 }
 
 /// What a test of eight boxes found.
 struct Tested {
     ended: u8,
     near: u32,
+    gaps: f32x8,
     slack: f64,
     radius: f64,
 }
@@ -354,7 +369,7 @@ fn test(
             (f64::from(farthest) * unit * SPARE).min(its + ground.posing() + slack)
         }
     };
-    Tested { ended: ended as u8, near, slack, radius }
+    Tested { ended: ended as u8, near, gaps, slack, radius }
 }
 
 /// How far a cluster of the second body reaches from the pivot at most.
@@ -372,12 +387,13 @@ fn length([x, y, z]: [f32; 3]) -> f32 {
     (x * x + y * y + z * z).sqrt()
 }
 
-fn push(ground: &Ground, at: [At; 2], side: Side, near: u32, stack: &mut Vec<[At; 2]>) {
+fn push(ground: &Ground, at: [At; 2], side: Side, tested: &Tested, stack: &mut Vec<Place>) {
     let i = side.index();
     let index = ground.child(side, at[i]).index();
-    for lane in lanes_of(near) {
+    let gaps = tested.gaps.to_array();
+    for lane in lanes_of(tested.near) {
         let mut next = at;
         next[i] = At::lane(index, lane);
-        stack.push(next);
+        stack.push(Place { at: next, gap: gaps[lane], side });
     }
 }

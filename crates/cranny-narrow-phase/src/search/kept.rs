@@ -62,12 +62,13 @@ impl KeptCut {
         self.was_here
     }
 
-    /// The cut at the pair's pose; `None` where none is worth its while.
+    /// The cut at the pair's pose; `None` where none is worth its while. `builds`: one may be
+    /// built.
     pub(crate) fn at(
         &mut self,
         pair: &Pair,
         ground: &Ground,
-        reach: Reach,
+        (reach, builds): (Reach, bool),
         counters: &mut impl Tally,
     ) -> Option<&mut Cut> {
         let (mut build, mut held) = (reach.build, 0);
@@ -94,7 +95,7 @@ impl KeptCut {
             }
         }
         // Not for a single query, and not while motion outruns it.
-        if self.last.is_none() || !self.backoff.is_due() {
+        if !builds || self.last.is_none() || !self.backoff.is_due() {
             return None;
         }
         self.age = 0;

@@ -197,21 +197,22 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
     }
 }
 
-/// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids.
+/// The verdict on the surfaces, and the pairs of faces that meet, by ascending ids. `apart`: they
+/// are likely to be, and no crossing is looked for first.
 pub(crate) fn meeting_faces(
     pair: &Pair,
     ground: &Ground,
-    meets: Meets,
+    (meets, apart): (Meets, bool),
     counters: &mut impl Tally,
 ) -> (Surface, Vec<FacePair>) {
-    let first = meets == Meets::UpToCrossing;
+    let first = meets == Meets::UpToCrossing && !apart;
     let search = if first { near_clusters::<true> } else { near_clusters::<false> };
     search(pair, ground, (None, meets), &mut Vec::new(), counters)
 }
 
 /// All pairs of faces that meet, by ascending ids, for a caller that searches once.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FacePair> {
-    meeting_faces(pair, &Ground::of(pair), Meets::All, counters).1
+    meeting_faces(pair, &Ground::of(pair), (Meets::All, false), counters).1
 }
 
 /// One point shared by two crossing surfaces, as a witness on A and one on B; `None` if they do not
@@ -219,7 +220,8 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
 /// across a crossing.
 #[must_use]
 pub fn common_point(pair: &Pair, counters: &mut impl Tally) -> Option<[Witness; 2]> {
-    let (_, found) = meeting_faces(pair, &Ground::of(pair), Meets::UpToCrossing, counters);
+    let meets = (Meets::UpToCrossing, false);
+    let (_, found) = meeting_faces(pair, &Ground::of(pair), meets, counters);
     let crossing = found.iter().find(|faces| faces.meeting == Meeting::Cross);
     crossing.map(|faces| faces.witnesses(pair))
 }

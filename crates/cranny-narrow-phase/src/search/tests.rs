@@ -89,9 +89,13 @@ fn faces_that_meet_are_found_among_all() {
         let truth = all_that_meet(&pair);
         assert_eq!(meeting_pairs(&pair, &mut counters), truth, "round {round}");
         let ground = Ground::of(&pair);
-        let (surface, some) = meeting_faces(&pair, &ground, Meets::UpToCrossing, &mut counters);
-        assert_eq!(surface, strongest(&truth), "round {round}");
-        assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
+        for apart in [false, true] {
+            let meets = (Meets::UpToCrossing, apart);
+            let (surface, some) = meeting_faces(&pair, &ground, meets, &mut counters);
+            assert_eq!(surface, strongest(&truth), "round {round}");
+            assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
+            assert!(surface == cranny_exact::Meeting::Cross || some == truth, "round {round}");
+        }
         met[strongest(&truth) as usize] += 1;
     }
     assert!(met.iter().all(|&n| n > 10), "{met:?}");

@@ -46,9 +46,9 @@ impl Row {
         if only_ratios {
             cells.push(Cell::Ratio(self.spread()));
         } else {
-            let cold = self.cold.as_ref().map(Times::median);
             cells.extend([self.warm.median(), self.warm.p99()].map(micros));
-            cells.push(cold.map_or(Cell::Absent, micros));
+            let cold = [Times::median, Times::p99].map(|of| self.cold.as_ref().map(of));
+            cells.extend(cold.map(|cold| cold.map_or(Cell::Absent, micros)));
         }
         cells.extend(self.ratios().map(|ratio| ratio.map_or(Cell::Absent, Cell::Ratio)));
         cells
@@ -67,7 +67,11 @@ impl Row {
 /// The table of all rows, then geometric means and least ratios by demand.
 pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) -> Report {
     let mut columns = vec!["case", "demand"];
-    columns.extend(if only_ratios { &["p99 / warm"][..] } else { &["warm", "p99", "cold"] });
+    columns.extend(if only_ratios {
+        &["p99 / warm"][..]
+    } else {
+        &["warm", "p99", "cold", "cold p99"]
+    });
     columns.extend(OTHERS);
     columns.push("otherwise");
     if !only_ratios {
