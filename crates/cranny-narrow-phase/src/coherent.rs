@@ -44,11 +44,11 @@ const GROWTH: f64 = 1.05;
 /// And is built anew where it reaches more than so many times what it would be built for.
 const FARTHEST: f64 = 6.0;
 
-/// After a step of more than this part of the smaller body, no cut for distances is followed or
-/// built, and a crossing is looked for before distances are measured: the faces that were nearest
-/// before are anywhere now, and a cut that reaches so far lists most clusters. Smaller: fast motion
-/// is not followed; larger: random poses take ten times as long with memory as without
-/// (`random_poses_are_measured_without_a_cut`).
+/// After a step of more than this part of the smaller body, no cut is built for a verdict, none is
+/// followed or built for distances, and a crossing is looked for before distances are measured: the
+/// faces that were nearest before are anywhere now, and a cut that reaches so far lists most
+/// clusters. Smaller: fast motion is not followed; larger: random poses take ten times as long with
+/// memory as without (`random_poses_are_measured_without_a_cut`).
 const JUMP: f64 = 0.25;
 
 /// A cut for contacts is built anew where it reaches more than so many times what is wanted. Less:
@@ -68,7 +68,7 @@ pub(crate) struct Coherent {
     /// Whether to look at them: in vain, where motion is so fast that none crosses for a second
     /// time.
     following: Backoff,
-    /// The last crossing was found from the top: motion is too fast to follow it from face to face.
+    /// The last crossing was searched for: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
     /// The nearest points at this query's pose, where they gave the verdict.
@@ -147,7 +147,8 @@ impl Coherent {
         // Far enough for the next step to be proved free of meetings.
         let (build, spare) = ahead(pair, step);
         let reach = Reach { least: 0.0, build, outgrown: build, spare, most: f64::INFINITY };
-        match self.cut.at(pair, &ground, (reach, builds), counters) {
+        let is_step = step <= JUMP * smaller_radius(pair);
+        match self.cut.at(pair, &ground, (reach, builds && is_step), counters) {
             Some(cut) => {
                 let (surface, found, stayed_apart) =
                     near_in(cut, pair, &ground, (None, meets, step), &mut Vec::new(), counters);
@@ -157,7 +158,7 @@ impl Coherent {
             None => {
                 // Without a distance to begin with, or after a jump, a crossing is come across
                 // late; and where faces crossed before, they mostly do.
-                let is_followed = step <= JUMP * smaller_radius(pair) && self.nearest.is_some();
+                let is_followed = is_step && self.nearest.is_some();
                 if let Some(below) = below.filter(|_| builds && is_followed) {
                     let mut nearest = self.seeded(pair, below, counters);
                     if !nearest_faces(&ground, (&mut nearest, true), counters) {
@@ -165,9 +166,9 @@ impl Coherent {
                         return (Meeting::None, Vec::new());
                     }
                 }
-                // What was apart at the last pose mostly still is, and then everything is visited:
-                // an order costs more than it finds sooner.
-                meeting_faces(pair, &ground, (meets, self.apart.is_some()), counters)
+                // What was apart a step ago mostly still is, and then everything is visited: an
+                // order costs more than it finds sooner.
+                meeting_faces(pair, &ground, (meets, is_step && self.apart.is_some()), counters)
             }
         }
     }

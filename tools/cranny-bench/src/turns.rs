@@ -50,7 +50,7 @@ impl Times {
         median(self.seconds.clone())
     }
 
-    /// Returns the 99th percentile without the first frame, which has no memory.
+    /// Returns the 99th percentile without the first frame, which is without memory for each.
     pub(crate) fn p99(&self) -> f64 {
         let mut rest = self.seconds.get(1..).unwrap_or_default().to_vec();
         rest.sort_unstable_by(f64::total_cmp);

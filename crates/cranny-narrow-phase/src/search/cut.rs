@@ -5,7 +5,7 @@
 //! that block of eight; motion spends it, and until it is spent the block need not be looked at.
 //! What of a block comes within reach is descended into, and adds blocks of its own; where there
 //! have come to be many more than a new descent would leave, one is made. Pairs of clusters within
-//! reach are listed.
+//! reach are listed, with the gap of their boxes as their slack.
 //!
 //! Motion is counted once for all blocks: by how much the second body has turned, and one point of
 //! it moved, the *pivot*, as seen from the first. No point at a distance r from the pivot has then
@@ -46,7 +46,7 @@ struct Block {
     ended: u8,
 }
 
-/// A place of each tree that are to be looked at.
+/// A place of each tree, to be looked at together.
 #[derive(Clone, Copy)]
 struct Place {
     at: [At; 2],
@@ -171,10 +171,16 @@ impl Cut {
             vec![Place { at: [At::ROOT; 2], gap: f32::NEG_INFINITY, side: Side::First }];
         cut.descend(ground, &mut stack, counters);
         cut.built = [cut.blocks.len(), cut.leaves.len()];
-        spare_room(&mut cut.blocks);
-        spare_room(&mut cut.due);
-        spare_room(&mut cut.leaves);
+        cut.spare_room();
         cut
+    }
+
+    /// Leaves room for a quarter more than is there: it is kept.
+    fn spare_room(&mut self) {
+        let with_room = |count: usize| count + count / 4 + 8;
+        self.blocks.shrink_to(with_room(self.blocks.len()));
+        self.due.shrink_to(with_room(self.due.len()));
+        self.leaves.shrink_to(with_room(self.leaves.len()));
     }
 
     /// What it lists lies within this.
@@ -226,6 +232,7 @@ impl Cut {
             index += 1;
         }
         self.descend(ground, &mut stack, counters);
+        self.spare_room();
         true
     }
 
@@ -311,11 +318,6 @@ impl Cut {
             + self.due.capacity() * size_of::<Due>()
             + self.leaves.capacity() * size_of::<Leaf>()
     }
-}
-
-/// Leaves room for a quarter more than is there: a cut is kept.
-fn spare_room<T>(list: &mut Vec<T>) {
-    list.shrink_to(list.len() + list.len() / 4 + 8);
 }
 
 /// What a test of eight boxes found.

@@ -337,8 +337,10 @@ pub(crate) fn near_in(
             continue;
         }
         if gap > 0.0 {
-            // Parted along one direction at both ends of the way is parted along it all the way.
-            stayed_apart &= i >= held || was_parted && parts;
+            // Parted along one direction at both ends of the way is parted along it all the way;
+            // and what was as far at one end as it is at the other did not meet while motion spent
+            // less than both.
+            stayed_apart &= i >= held || was_parted && parts || gap - 2.0 * posing + left > 0.0;
             continue;
         }
         let wants = match (leaf.hurry, leaf.met) {
@@ -348,8 +350,7 @@ pub(crate) fn near_in(
         };
         leaf.hurry = leaf.hurry.saturating_sub(1);
         let separation = meetings.separation(leaf.pair, (reach, wants), counters);
-        // So far as they were at one end of the way, and are at the other, they cannot have met
-        // while motion spent less than both.
+        // The same.
         stayed_apart &= i >= held || separation - 2.0 * posing + left > 0.0;
         spent.note(leaf, separation, posing);
         if wants == Wants::Distances {

@@ -9,6 +9,7 @@ use super::apart::FacePairs;
 use super::cut::Cut;
 use super::faces::Faced;
 use super::lanes::lanes_of;
+use super::parted::Leaf;
 use super::*;
 use crate::answer::Counters;
 use crate::brute_force::brute_force;
@@ -222,7 +223,7 @@ fn crossings_are_certain_and_many() {
 fn a_cut_lists_all_that_is_within_reach() {
     let bodies = bodies();
     let mut rng = Rng::new(23);
-    let (mut followed, mut rested, mut near, mut met) = (0, 0, 0, 0);
+    let (mut followed, mut rested, mut begun, mut near, mut met) = (0, 0, 0, 0, 0);
     let (mut stayed, mut changed) = (0, 0);
     for round in 0..60 {
         let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
@@ -253,15 +254,17 @@ fn a_cut_lists_all_that_is_within_reach() {
                 followed += u32::from(follows);
                 follows.then_some(cut)
             });
+            // How many leaves are not of this pose.
+            let old = last.as_ref().map_or(0, |cut| cut.held_leaves().unwrap_or(0));
             let mut now =
                 last.unwrap_or_else(|| Cut::build(&pair, &ground, (reach, spare), &mut counters));
             let what = format!("round {round}, frame {frame}");
             let (leaves, spent) = now.leaves();
             let mut listed: Vec<[u32; 2]> = leaves.iter().map(|leaf| leaf.pair).collect();
-            for leaf in leaves.iter() {
+            for (i, leaf) in leaves.iter().enumerate() {
                 let left = spent.left(leaf);
                 assert!(left <= cluster_distance(&pair, &ground, leaf.pair), "{what}");
-                rested += u32::from(left > 0.0);
+                *(if i < old { &mut rested } else { &mut begun }) += u32::from(left > 0.0);
             }
             listed.sort_unstable();
             let count = |side: Side| ground.tree(side).clusters().len() as u32;
@@ -274,6 +277,8 @@ fn a_cut_lists_all_that_is_within_reach() {
                 }
             }
             near += listed.len();
+            let least = now.held() as usize * 28 + now.leaves().0.len() * size_of::<Leaf>();
+            assert!(now.bytes() <= least * 5 / 4 + 1_000, "{what}: {} of {least}", now.bytes());
             let lists = Lists { reach: [0.0, 0.5, 1.0][frame % 3] * reach, closing: None };
             let lists = (frame % 4 > 0).then_some(lists);
             let mut listed = Vec::new();
@@ -310,8 +315,8 @@ fn a_cut_lists_all_that_is_within_reach() {
         }
     }
     assert!(
-        followed > 1_000 && rested > 1_000 && near > 1_000 && met > 200,
-        "{followed} {rested} {near} {met}"
+        followed > 1_000 && rested > 1_000 && begun > 1_000 && near > 1_000 && met > 200,
+        "{followed} {rested} {begun} {near} {met}"
     );
     assert!(stayed > 500 && changed > 5, "{stayed} {changed}");
 }

@@ -227,27 +227,57 @@ fn a_crossing_is_come_across_early() {
     assert!(nodes < 200 * found && clusters < 25 * found, "{nodes} and {clusters} of {found}");
 }
 
+/// Linked rings that come to cross for some frames: where they come apart again, the cut from
+/// before is followed, and nothing is searched from the top.
+#[test]
+fn a_cut_from_before_a_crossing_is_followed_after_it() {
+    let ring = shape(Torus { major_segments: 64, minor_segments: 16, ..Torus::default() });
+    let (size, tube) = (ring.bounds().max, ring.bounds().max.z);
+    let linked = DQuat::from_axis_angle(DVec3::X, std::f64::consts::FRAC_PI_2);
+    let mut memory = PairMemory::default();
+    let mut came_apart = 0;
+    let mut crossed = false;
+    for frame in 0..60 {
+        let nearer = if frame / 10 % 2 == 1 { 4e-3 } else { 0.0 };
+        let x = 2.0 * size.x - 4.0 * tube - 2e-3 + nearer;
+        let turn = DQuat::from_axis_angle(DVec3::Y, 1e-4 * f64::from(frame));
+        let pose = Pose { rotation: turn * linked, translation: DVec3::new(x, 0.0, 0.0) };
+        let (a, b) = (Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &ring, pose });
+        let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
+        let cold = ask(a, b, Demand::Intersects);
+        assert_eq!(without_history(&warm), without_history(&cold), "frame {frame}");
+        if crossed && warm.surface == Meeting::None {
+            came_apart += 1;
+            assert_eq!(warm.counters.node_tests, 0, "frame {frame}");
+            assert!(2 * warm.counters.front_tested < cold.counters.node_tests, "frame {frame}");
+        }
+        crossed = warm.surface == Meeting::Cross;
+    }
+    assert_eq!(came_apart, 2);
+}
+
 /// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
 /// most of the two rings.
 #[test]
 fn random_poses_are_measured_without_a_cut() {
     let ring = shape(Torus { major_segments: 64, minor_segments: 16, ..Torus::default() });
     let mut rng = Rng::new(5);
-    let (mut memory, mut warm, mut cold) = (PairMemory::default(), 0, 0);
-    let demand = Demand::Distance { below: None };
-    for frame in 0..200 {
-        let rotation = DQuat::from_axis_angle(rng.direction(), 3.0 * rng.unit());
-        let pose = Pose { rotation, translation: DVec3::X + 0.2 * rng.direction() };
-        let a = Placed { model: &ring, pose: Pose::IDENTITY };
-        let b = Placed { model: &ring, pose };
-        let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
-        let alone = ask(a, b, demand);
-        assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
-        let work = |counters: &Counters| counters.triangle_tests + counters.node_tests;
-        warm += work(&answer.counters);
-        cold += work(&alone.counters);
+    for demand in [Demand::Distance { below: None }, Demand::Intersects] {
+        let (mut memory, mut warm, mut cold) = (PairMemory::default(), 0, 0);
+        for frame in 0..200 {
+            let rotation = DQuat::from_axis_angle(rng.direction(), 3.0 * rng.unit());
+            let pose = Pose { rotation, translation: DVec3::X + 0.2 * rng.direction() };
+            let a = Placed { model: &ring, pose: Pose::IDENTITY };
+            let b = Placed { model: &ring, pose };
+            let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            let alone = ask(a, b, demand);
+            assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
+            let work = |counters: &Counters| counters.triangle_tests + counters.node_tests;
+            warm += work(&answer.counters);
+            cold += work(&alone.counters);
+        }
+        assert!(10 * warm < 11 * cold, "{demand:?}: {warm} of {cold}");
     }
-    assert!(10 * warm < 11 * cold, "{warm} of {cold}");
 }
 
 /// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross

@@ -79,6 +79,7 @@ pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) ->
     }
     let mut all = vec![
         "a frame, all pairs whose boxes overlap within the margin; thread CPU time, best of some turns, median over frames".into(),
+        "p99: the 99th hundredth without the first frame; cold ones may be of fewer frames".into(),
         "warm: memory kept from frame to frame; cold: none; ratios of medians over the same frames: that column / warm".into(),
         "otherwise: share of the decompositions' verdicts that differ from the meshes'; there its times are of another question".into(),
         "Coal: in a process of its own, less the cost of the call from Python; below a microsecond its ratio is vague".into(),
