@@ -41,9 +41,6 @@ const MOST_AHEAD: f64 = 1.0 / 64.0;
 /// more: more clusters are listed.
 const GROWTH: f64 = 1.05;
 
-/// And is built anew where it reaches more than so many times what it would be built for.
-const FARTHEST: f64 = 6.0;
-
 /// After a step of more than this part of the smaller body, no cut is built for a verdict, none is
 /// followed or built for distances, and a crossing is looked for before distances are measured: the
 /// faces that were nearest before are anywhere now, and a cut that reaches so far lists most
@@ -51,9 +48,9 @@ const FARTHEST: f64 = 6.0;
 /// memory as without (`random_poses_are_measured_without_a_cut`).
 const JUMP: f64 = 0.25;
 
-/// A cut for contacts is built anew where it reaches more than so many times what is wanted. Less:
-/// where margins change from query to query it does not last; more: more clusters are listed than
-/// are near.
+/// A cut for contacts or distances is built anew where it reaches more than so many times what it
+/// would be built for. Less: where margins change from query to query it does not last; more: more
+/// clusters are listed than are near.
 const WIDEST: f64 = 6.0;
 
 /// A cut for contacts that was outgrown by what is wanted reaches so many times that. Less: margins
@@ -268,7 +265,7 @@ impl Coherent {
             let step = self.last_step(pair);
             let (ahead, spare) = ahead(pair, step);
             let build = (GROWTH * limit).max(limit + ahead);
-            let most = FARTHEST * build;
+            let most = WIDEST * build;
             let reach = Reach { least: limit, build, outgrown: build, spare, most };
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
                 true => self.cut.at(pair, &ground, (reach, true), counters),

@@ -75,13 +75,13 @@ mod answer;
 mod approach;
 mod backoff;
 mod borders;
+mod box_test;
 pub mod brute_force;
 mod closest;
 mod coherent;
 mod contacts;
 mod containment;
 mod depth;
-mod descent;
 mod evaluate;
 mod fields;
 mod footprints;
@@ -170,9 +170,9 @@ pub use verify::{Mismatch, query_verified};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub mod operations {
+    pub use crate::box_test::BoxTest;
     pub use crate::closest::{Closest, NearestFaces};
     pub use crate::containment::Solidity;
-    pub use crate::descent::BoxTest;
     pub use crate::motion::RelativeMotion;
     pub use crate::pair::{Pair, PairTag, Side};
     pub use crate::per_model::PerModel;

@@ -13,7 +13,7 @@ use cranny_concavity::pockets::{Near, PocketBody, PocketCounters, Pockets, Posed
 use cranny_exact::{Meeting, RigidMap};
 use cranny_geometry::FaceId;
 
-use crate::descent::for_each_near_pair_beneath;
+use crate::box_test::for_each_near_pair_beneath;
 use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
 use crate::per_model::PerModel;

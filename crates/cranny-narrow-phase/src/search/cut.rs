@@ -286,11 +286,9 @@ impl Cut {
                 let pair =
                     Side::BOTH.map(|side| ground.child(side, at[side.index()]).index() as u32);
                 let radius = cluster_radius(ground, &self.pivot, pair[1]);
+                // Less than nothing where boxes overlap, which is no more than is true.
                 let gap = ground.certain(seen_from, gap) - 2.0 * ground.posing();
-                let limit = match gap > 0.0 {
-                    true => (gap + self.spent.of(radius)).next_down(),
-                    false => f64::NEG_INFINITY,
-                };
+                let limit = (gap + self.spent.of(radius)).next_down();
                 self.leaves.push(Leaf::new(pair, Due { radius, limit }));
                 continue;
             };

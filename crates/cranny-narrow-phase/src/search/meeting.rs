@@ -220,8 +220,7 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut impl Tally) -> Vec<FaceP
 /// across a crossing.
 #[must_use]
 pub fn common_point(pair: &Pair, counters: &mut impl Tally) -> Option<[Witness; 2]> {
-    let meets = (Meets::UpToCrossing, false);
-    let (_, found) = meeting_faces(pair, &Ground::of(pair), meets, counters);
+    let (_, found) = meeting_faces(pair, &Ground::of(pair), (Meets::UpToCrossing, false), counters);
     let crossing = found.iter().find(|faces| faces.meeting == Meeting::Cross);
     crossing.map(|faces| faces.witnesses(pair))
 }

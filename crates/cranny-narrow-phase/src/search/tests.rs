@@ -9,7 +9,6 @@ use super::apart::FacePairs;
 use super::cut::Cut;
 use super::faces::Faced;
 use super::lanes::lanes_of;
-use super::parted::Leaf;
 use super::*;
 use crate::answer::Counters;
 use crate::brute_force::brute_force;
@@ -277,7 +276,7 @@ fn a_cut_lists_all_that_is_within_reach() {
                 }
             }
             near += listed.len();
-            let least = now.held() as usize * 28 + now.leaves().0.len() * size_of::<Leaf>();
+            let least = now.held() as usize * 28 + size_of_val(now.leaves().0);
             assert!(now.bytes() <= least * 5 / 4 + 1_000, "{what}: {} of {least}", now.bytes());
             let lists = Lists { reach: [0.0, 0.5, 1.0][frame % 3] * reach, closing: None };
             let lists = (frame % 4 > 0).then_some(lists);
