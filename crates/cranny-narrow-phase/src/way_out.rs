@@ -165,8 +165,7 @@ fn parts_along(
     if out.length() >= enough {
         return None;
     }
-    let ways: &[DVec3] = if apart == out { &[out] } else { &[out, apart] };
-    let tried = ways.iter().flat_map(|way| directions(region, way.try_normalize())).collect();
+    let tried = [out, apart].map(|way| directions(region, way.try_normalize())).concat();
     let parts = |n: DVec3, depth| parts_at(region, n, (depth + region.clear(), enough)).is_some();
     least_deep(region, tried, enough, parts)
 }
