@@ -57,7 +57,7 @@ struct Place {
 
 /// When a block is due: once `turn · radius + shift` reaches the limit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Due {
+pub(super) struct Due {
     pub(super) radius: f64,
     pub(super) limit: f64,
 }

@@ -34,7 +34,7 @@ pub(crate) struct Leaf {
 }
 
 impl Leaf {
-    pub(crate) fn new(pair: [u32; 2], due: Due) -> Self {
+    pub(super) fn new(pair: [u32; 2], due: Due) -> Self {
         Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, met: false, is_parted: false, due }
     }
 }
