@@ -68,6 +68,8 @@ pub(crate) struct Coherent {
     /// The last crossing was searched for: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
+    /// Whether this query seeks the nearest faces, and whether the last one did.
+    seeks_nearest: [bool; 2],
     /// The nearest points at this query's pose, where they gave the verdict.
     measured: Option<Option<Closest>>,
     foremost: Foremost,
@@ -90,6 +92,7 @@ impl Coherent {
         self.is_judged = false;
         self.stayed_apart = false;
         self.measured = None;
+        self.seeks_nearest = [false, self.seeks_nearest[0]];
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -254,6 +257,7 @@ impl Coherent {
         parting: DVec3,
         counters: &mut impl Tally,
     ) -> Option<Closest> {
+        self.seeks_nearest[0] = true;
         if let Some(found) = self.measured {
             self.nearest = found.map(|f| f.faces).or(self.nearest);
             return found;
@@ -265,10 +269,12 @@ impl Coherent {
             let step = self.last_step(pair);
             let (ahead, spare) = ahead(pair, step);
             let build = (GROWTH * limit).max(limit + ahead);
-            let most = WIDEST * build;
-            let reach = Reach { least: limit, build, outgrown: build, spare, most };
+            let reach = Reach { least: limit, build, outgrown: build, spare, most: WIDEST * build };
+            // Where surfaces crossed a step ago, the limit is what faces measure now that were
+            // nearest long before: a cut that reaches so far would list too much.
+            let builds = self.seeks_nearest[1];
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
-                true => self.cut.at(pair, &ground, (reach, true), counters),
+                true => self.cut.at(pair, &ground, (reach, builds), counters),
                 false => None,
             };
             match cut {

@@ -256,6 +256,34 @@ fn a_cut_from_before_a_crossing_is_followed_after_it() {
     assert_eq!(came_apart, 2);
 }
 
+/// Linked rings that cross while the second spins: what was nearest before is far apart when they
+/// come apart, and a cut that reaches so far would list much of both rings.
+#[test]
+fn the_first_distance_after_a_crossing_is_measured_without_a_cut() {
+    let ring = shape(Torus { major_segments: 64, minor_segments: 16, ..Torus::default() });
+    let (size, tube) = (ring.bounds().max, ring.bounds().max.z);
+    let linked = DQuat::from_axis_angle(DVec3::X, std::f64::consts::FRAC_PI_2);
+    let mut memory = PairMemory::default();
+    let mut spun = 0.0;
+    for frame in 0..9 {
+        let crosses = (4..7).contains(&frame);
+        spun += if crosses { 0.2 } else { 1e-3 };
+        let x = 2.0 * size.x - 4.0 * tube + if crosses { 2e-3 } else { -2e-3 };
+        let rotation = (linked * DQuat::from_axis_angle(DVec3::Z, spun)).normalize();
+        let pose = Pose { rotation, translation: DVec3::new(x, 0.0, 0.0) };
+        let (a, b) = (Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &ring, pose });
+        let demand = Demand::Distance { below: None };
+        let (warm, cold) =
+            (query(a, b, &Query::of(demand), &mut memory).unwrap(), ask(a, b, demand));
+        assert_eq!(without_history(&warm), without_history(&cold), "frame {frame}");
+        assert_eq!(warm.surface == Meeting::Cross, crosses, "frame {frame}");
+        if !crosses {
+            let is_followed = ![0, 7].contains(&frame);
+            assert_eq!(warm.counters.front_held > 0, is_followed, "frame {frame}");
+        }
+    }
+}
+
 /// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
 /// most of the two rings.
 #[test]
