@@ -4,7 +4,7 @@
 //! What has slid past whole faces since is matched by what is left: faces of one body, or where it
 //! lies on either. Ids are history: no other part of an answer depends on them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DVec3, RigidMap};
 use cranny_geometry::{FaceId, ModelTag};
@@ -76,26 +76,27 @@ impl RegionTracks {
     /// region shares. Of other models, nothing is kept; two bodies of one model may have changed
     /// places, if that fits better.
     fn turned_to(&mut self, [a, b]: [Placed; 2], now: &[Tracked]) -> Links {
-        let [as_told, exchanged] = match &self.whose {
+        let [as_before, exchanged] = match &self.whose {
             Some([first, second]) => [[a, b], [b, a]]
                 .map(|[a, b]: [Placed; 2]| first.is_of(a.model) && second.is_of(b.model)),
             None => [false; 2],
         };
         self.whose = Some([ModelTag::of(a.model), ModelTag::of(b.model)]);
-        if !as_told && !exchanged {
+        if !as_before && !exchanged {
             self.regions.clear();
         }
-        let links = self.links(now);
-        if !exchanged {
-            return links;
+        let mut known: Vec<([FaceId; 2], usize)> = Vec::new();
+        for (i, region) in self.regions.iter().enumerate() {
+            known.extend(region.faces.iter().map(|&faces| (faces, i)));
+        }
+        known.sort_unstable();
+        let kept = links(&known, now, |faces| faces);
+        let others = if exchanged { links(&known, now, |[f, g]| [g, f]) } else { Links::new() };
+        let shared = |links: &Links| links.values().sum::<usize>();
+        if !exchanged || as_before && shared(&kept) >= shared(&others) {
+            return kept;
         }
         self.exchange();
-        let others = self.links(now);
-        let shared = |links: &Links| links.values().sum::<usize>();
-        if as_told && shared(&links) >= shared(&others) {
-            self.exchange();
-            return links;
-        }
         others
     }
 
@@ -105,25 +106,6 @@ impl RegionTracks {
             region.faces.iter_mut().for_each(|faces| faces.reverse());
             region.faces.sort_unstable();
         }
-    }
-
-    /// How many pairs of faces an old region (first) and a new one share, where any.
-    fn links(&self, now: &[Tracked]) -> Links {
-        let mut known: Vec<([FaceId; 2], usize)> = Vec::new();
-        for (i, region) in self.regions.iter().enumerate() {
-            known.extend(region.faces.iter().map(|&faces| (faces, i)));
-        }
-        known.sort_unstable();
-        let mut links = BTreeMap::new();
-        for (j, region) in now.iter().enumerate() {
-            for faces in &region.faces {
-                let at = known.partition_point(|(its, _)| its < faces);
-                for &(_, i) in known[at..].iter().take_while(|(its, _)| its == faces) {
-                    *links.entry((i, j)).or_insert(0) += 1;
-                }
-            }
-        }
-        links
     }
 
     /// The old region whose name each new one bears: that with which it shares most, and where it
@@ -160,6 +142,25 @@ impl RegionTracks {
     }
 }
 
+/// How many pairs of faces an old region (first) and a new one share, where any. `known`: those of
+/// the old ones, ascending, each with its region; `ordered`: a new one as it is looked for.
+fn links(
+    known: &[([FaceId; 2], usize)],
+    now: &[Tracked],
+    ordered: impl Fn([FaceId; 2]) -> [FaceId; 2],
+) -> Links {
+    let mut links = BTreeMap::new();
+    for (j, region) in now.iter().enumerate() {
+        for faces in region.faces.iter().map(|&faces| ordered(faces)) {
+            let at = known.partition_point(|(its, _)| *its < faces);
+            for &(_, i) in known[at..].iter().take_while(|(its, _)| *its == faces) {
+                *links.entry((i, j)).or_insert(0) += 1;
+            }
+        }
+    }
+    links
+}
+
 impl Tracked {
     fn of(region: &Region, back: &[RigidMap; 2]) -> Self {
         let at = region.deepest.point_a;
@@ -176,11 +177,8 @@ impl Tracked {
         let along = |side: usize| (self.place[side] - later.place[side]).length();
         let nearer = along(0).min(along(1));
         let shares = |side: usize| {
-            let own =
-                |region: &Self| region.faces.iter().map(|faces| faces[side]).collect::<Vec<_>>();
-            let (mut mine, its) = (own(self), own(later));
-            mine.sort_unstable();
-            its.iter().any(|face| mine.binary_search(face).is_ok())
+            let mine: BTreeSet<FaceId> = self.faces.iter().map(|faces| faces[side]).collect();
+            later.faces.iter().any(|faces| mine.contains(&faces[side]))
         };
         (nearer <= self.extent + later.extent || shares(0) || shares(1)).then_some(nearer)
     }
