@@ -219,7 +219,7 @@ impl<B: BroadPhase> BroadContestant for B {
 
 /// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after
 /// a block of frames to choose a back end in.
-pub(crate) fn work(boxes: usize, one_in: usize, frames: usize) -> Option<Work> {
+pub(crate) fn work(boxes: usize, one_in: usize, frames: usize) -> Option<Work<'static>> {
     let case = BroadCase { boxes, one_in, gait: Gait::Random(0.01) };
     let mut scene = CubeScene::new(boxes);
     let mut broad: AdaptiveBroadPhase = filled(&scene.cubes).ok()?;

@@ -250,14 +250,10 @@ impl Swinging {
         place: Place,
         region: &[VertexId],
     ) -> Result<(Self, Work, ConcavityWork), DeformError> {
-        let middle = model.bounds().center();
-        let home: Vec<(VertexId, DVec3)> =
-            region.iter().map(|&v| (v, model.mesh().position(v))).collect();
-        let share = if place == Place::Outward { -SHARE } else { SHARE };
-        let away = home.iter().map(|&(v, p)| (v, p + share * (middle - p))).collect();
         // The first deformation makes it a copy of its own, which the others change in place.
         let followed = FollowedConcavities::of(model);
-        let mut swinging = Self { places: [away, home], model: model.clone(), followed };
+        let places = places(model, place, region);
+        let mut swinging = Self { model: model.clone(), followed, places };
         let (work, beneath) = swinging.swing_followed()?;
         swinging.swing_followed()?;
         Ok((swinging, work, beneath))
@@ -277,13 +273,49 @@ impl Swinging {
     }
 }
 
-/// One deformation of so many vertices of a golf ball of about so many triangles, after the first,
-/// which its concavities follow.
-pub(crate) fn work(triangles: u32, place: Place, count: usize) -> Option<Box<dyn FnMut()>> {
-    let model = built(solid::golf_ball(triangles).ok()?).ok()?;
-    let region = region(&model, place.seed(&model, &Features::of(&model))?, count);
-    let (mut swinging, ..) = Swinging::of(&model, place, &region).ok()?;
-    Some(Box::new(move || keep(swinging.swing_followed())))
+/// Where some vertices go, and where they are.
+fn places(model: &Model, place: Place, region: &[VertexId]) -> [Vec<(VertexId, DVec3)>; 2] {
+    let middle = model.bounds().center();
+    let home: Vec<(VertexId, DVec3)> =
+        region.iter().map(|&v| (v, model.mesh().position(v))).collect();
+    let share = if place == Place::Outward { -SHARE } else { SHARE };
+    let away = home.iter().map(|&(v, p)| (v, p + share * (middle - p))).collect();
+    [away, home]
+}
+
+/// A golf ball whose vertices are moved, again and again, and what follows it.
+pub(crate) struct Deformed {
+    features: Features,
+    swinging: Swinging,
+    is_away: bool,
+}
+
+impl Deformed {
+    pub(crate) fn golf_ball(triangles: u32) -> Option<Self> {
+        let model = built(solid::golf_ball(triangles).ok()?).ok()?;
+        let features = Features::of(&model);
+        let followed = FollowedConcavities::of(&model);
+        let swinging = Swinging { model, followed, places: [Vec::new(), Vec::new()] };
+        Some(Self { features, swinging, is_away: false })
+    }
+
+    /// One deformation of so many of its vertices, which have been there and are back, and which
+    /// its concavities follow.
+    pub(crate) fn work(&mut self, place: Place, count: usize) -> Option<Box<dyn FnMut() + '_>> {
+        let Self { features, swinging, is_away } = self;
+        if std::mem::take(is_away) {
+            swinging.swing_followed().ok()?;
+        }
+        let model = &swinging.model;
+        let region = region(model, place.seed(model, features)?, count);
+        swinging.places = places(model, place, &region);
+        swinging.swing_followed().ok()?;
+        swinging.swing_followed().ok()?;
+        Some(Box::new(move || {
+            *is_away = true;
+            keep(swinging.swing_followed());
+        }))
+    }
 }
 
 fn neighbours(model: &Model, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {

@@ -82,11 +82,11 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
-    /// Does a fixed piece of work once, for a counter of instructions; without a name, lists them
+    /// Does fixed pieces of work once each, for a counter of instructions; without a name, lists them
     Count {
-        /// Which
+        /// Which, in this order
         #[arg(value_name = "NAME")]
-        name: Option<String>,
+        names: Vec<String>,
     },
     /// Writes pairs in motion as files, for `cranny accuracy`
     Export {
@@ -125,7 +125,7 @@ fn main() -> ExitCode {
         Command::Robots(args) => robots::measure(cli.quick, args),
         Command::Scenes(args) => scenes::measure(cli.quick, args),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
-        Command::Count { name } => return exit(count::count(name.as_deref())),
+        Command::Count { names } => return exit(count::count(names)),
         Command::Export { folder } => export::write(folder, cli.quick),
         Command::Prepare => Ok(prepare::measure(cli.quick)),
         Command::Deform => Ok(deform::measure(cli.quick)),

@@ -8,21 +8,20 @@ pub(crate) mod methods;
 mod scenes;
 pub(crate) mod sorting;
 
-use cranny_exact::Pose;
+pub(crate) use scenes::scene;
+
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::Demand;
 
-/// The bodies of the scene of that name, and the second's poses.
-pub(crate) fn models(name: &str) -> Option<([Model; 2], Vec<Pose>)> {
-    let (meshes, poses) = scenes::scene(name)?;
-    Some((prepared(&meshes)?, poses))
+/// `None` where a mesh has no model.
+pub(crate) fn model_of(mesh: &Mesh) -> Option<Model> {
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    Model::build(mesh.clone(), &options).ok().map(|(model, _)| model)
 }
 
 /// `None` where a mesh has no model.
-fn prepared(meshes: &[Mesh; 2]) -> Option<[Model; 2]> {
-    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    let [a, b] = meshes.each_ref().map(|mesh| Model::build(mesh.clone(), &options).ok());
-    Some([a?.0, b?.0])
+fn prepared([a, b]: &[Mesh; 2]) -> Option<[Model; 2]> {
+    Some([model_of(a)?, model_of(b)?])
 }
 
 fn name_of(demand: Demand) -> &'static str {

@@ -102,7 +102,7 @@ fn row((name, gap): (&str, f64), n: usize, quick: bool) -> Vec<Cell> {
 }
 
 /// So many frames, after the first, of a hull that rolls round another at a distance.
-pub(crate) fn work(gap: f64, points: usize, frames: usize) -> Option<Work> {
+pub(crate) fn work(gap: f64, points: usize, frames: usize) -> Option<Work<'static>> {
     let cloud = cloud::sphere(2 * points);
     let hulls = [&cloud[..points], &cloud[points..]].map(ConvexHull::of_points);
     let [g, h] = hulls.each_ref().map(|hull| FeatureGraph::new(hull).ok());

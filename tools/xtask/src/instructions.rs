@@ -66,20 +66,26 @@ pub(crate) fn run(root: &Path, update: bool) -> Result<bool, String> {
 /// Those of `tools/test`: with others nearly every crate would be compiled again.
 const FEATURES: &str = "cranny/scene,cranny/rapier,cranny/ecs,cranny/record,cranny/render";
 
+/// The function that does the work.
+const COUNTED: &str = "cranny_bench::count::counted*";
+
+/// And what sets it up as well: of one function callgrind takes one order alone.
+const SET_UP_AND_COUNTED: &str = "cranny_bench::count::set_up_and_counted*";
+
 const BENCH: &str = "cranny-bench";
 
 /// A test, which cargo builds beside the program: without one, cargo leaves out the features that
 /// development dependencies turn on, and rapier, bevy and what is above them are compiled again.
 const TEST: &str = "triangles";
 
-/// The program that does the work, built as `tools/test` builds its tests: with their features, and
-/// not incrementally, since that divides crates into other parts, and the same work takes up to a
-/// fifth more.
+/// The program that does the work, built as `tools/test` builds its tests: with their features,
+/// without line tables, and not incrementally. Incremental compilation divides crates into other
+/// parts, and the same work takes up to a fifth more.
 fn built(root: &Path) -> Result<PathBuf, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(root)
-        .env("CARGO_INCREMENTAL", "0")
+        .envs([("CARGO_INCREMENTAL", "0"), ("CARGO_PROFILE_DEV_DEBUG", "0")])
         .args(["build", "--workspace", "--exclude", "cranny-rerun", "--features", FEATURES])
         .args(["--bin", BENCH, "--test", TEST, "--message-format", "json"])
         .output()
@@ -96,21 +102,21 @@ fn built(root: &Path) -> Result<PathBuf, String> {
         .ok_or_else(|| format!("cargo build names no {BENCH}"))
 }
 
-/// All pieces of work, two at a time.
+/// All pieces of work: two processes at a time, each with those that share bodies.
 fn counted(bench: &Path) -> Result<Figures, String> {
     let list = output(Command::new(bench).arg("count"))?.0;
-    let waiting = Mutex::new(list.lines().map(str::to_owned).collect::<Vec<_>>());
+    let waiting = Mutex::new(list.split("\n\n").map(lines));
     let figures = Mutex::new(Ok(Figures::new()));
     let lock = "nothing panics while it holds the lock";
     thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
                 loop {
-                    let Some(name) = waiting.lock().expect(lock).pop() else { return };
-                    let count = instructions(bench, &name);
+                    let Some(names) = waiting.lock().expect(lock).next() else { return };
+                    let counts = instructions(bench, &names);
                     let mut figures = figures.lock().expect(lock);
-                    match (&mut *figures, count) {
-                        (Ok(figures), Ok(count)) => drop(figures.insert(name, count)),
+                    match (&mut *figures, counts) {
+                        (Ok(figures), Ok(counts)) => figures.extend(names.into_iter().zip(counts)),
                         (Ok(_), Err(error)) => *figures = Err(error),
                         (Err(_), _) => {}
                     }
@@ -121,17 +127,34 @@ fn counted(bench: &Path) -> Result<Figures, String> {
     figures.into_inner().expect(lock)
 }
 
-fn instructions(bench: &Path, name: &str) -> Result<u64, String> {
+fn lines(text: &str) -> Vec<String> {
+    text.lines().map(str::to_owned).collect()
+}
+
+/// How many each piece of work takes, in the order of their names.
+fn instructions(bench: &Path, names: &[String]) -> Result<Vec<u64>, String> {
+    // Beside the program, under the name of the first piece: two of them are counted at a time.
+    let first = names.first().map_or("", String::as_str);
+    let file = bench.with_file_name(format!("instructions, {first}"));
     let mut valgrind = Command::new("valgrind");
     valgrind
         .env("GLIBC_TUNABLES", TUNABLES)
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg("--toggle-collect=cranny_bench::count::counted*")
+        .args(["--tool=callgrind", "--combine-dumps=yes"])
+        .arg(format!("--callgrind-out-file={}", file.display()))
+        .arg(format!("--toggle-collect={COUNTED}"))
+        .arg(format!("--dump-after={SET_UP_AND_COUNTED}"))
         .arg(bench)
-        .args(["count", name]);
-    let (_, found) = output(&mut valgrind)?;
-    collected(&found)
-        .ok_or_else(|| format!("{name}: valgrind reports no count of instructions:\n{found}"))
+        .arg("count")
+        .args(names);
+    output(&mut valgrind)?;
+    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let counts = collected(&text);
+    match counts.len() == names.len() {
+        true => Ok(counts),
+        false => {
+            Err(format!("valgrind counted {} of {} pieces: {names:?}", counts.len(), names.len()))
+        }
+    }
 }
 
 /// Standard output and standard error of a command that succeeded.
@@ -144,11 +167,11 @@ fn output(command: &mut Command) -> Result<(String, String), String> {
     }
 }
 
-/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not
-/// found.
-fn collected(found: &str) -> Option<u64> {
-    let (_, number) = found.lines().find_map(|line| line.split_once("Collected :"))?;
-    number.trim().parse().ok().filter(|&count| count > 0)
+/// The numbers behind `totals:`, one for each time that the function was left; 0 would mean that it
+/// was not found, or that the program has ended since.
+fn collected(found: &str) -> Vec<u64> {
+    let totals = found.lines().filter_map(|line| line.strip_prefix("totals:"));
+    totals.filter_map(|number| number.trim().parse().ok()).filter(|&count| count > 0).collect()
 }
 
 fn written(figures: &Figures) -> String {
@@ -227,8 +250,10 @@ mod tests {
 
     #[test]
     fn nothing_counted_is_no_count() {
-        assert_eq!(collected("==7== Events    : Ir\n==7== Collected : 813275\n"), Some(813_275));
-        assert_eq!(collected("==7== Collected : 0\n"), None);
-        assert_eq!(collected("==7== nothing"), None);
+        assert_eq!(
+            collected("part: 1\ntotals: 813275\npart: 2\ntotals: 12\ntotals: 0\n"),
+            [813_275, 12]
+        );
+        assert!(collected("totals: 0\nsummary: 7\n").is_empty());
     }
 }

@@ -13,8 +13,8 @@ const FRAMES: usize = 200;
 const NEAR: f64 = 0.03;
 const CONTACT: f64 = -0.02;
 
-/// The scene of that name.
-pub(super) fn scene(name: &str) -> Option<([Mesh; 2], Vec<Pose>)> {
+/// Bodies of that name, and the second's poses; the first rests at the origin.
+pub(crate) fn scene(name: &str) -> Option<([Mesh; 2], Vec<Pose>)> {
     let built = match name {
         "golf 1k near" => golf_balls(1_000, NEAR, 0.1, FRAMES),
         "golf 10k near" => golf_balls(10_000, NEAR, 0.1, FRAMES),
