@@ -48,9 +48,9 @@ const GROWTH: f64 = 1.05;
 /// memory as without (`random_poses_are_measured_without_a_cut`).
 const JUMP: f64 = 0.25;
 
-/// A cut for contacts or distances is built anew where it reaches more than so many times what it
-/// would be built for. Less: where margins change from query to query it does not last; more: more
-/// clusters are listed than are near.
+/// A cut for contacts or distances is built anew, or given up, where it reaches more than so many
+/// times what it would be built for. Less: where margins change from query to query it does not
+/// last; more: more clusters are listed than are near.
 const WIDEST: f64 = 6.0;
 
 /// A cut for contacts that was outgrown by what is wanted reaches so many times that. Less: margins
@@ -68,8 +68,8 @@ pub(crate) struct Coherent {
     /// The last crossing was searched for: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
-    /// Whether this query seeks the nearest faces, and whether the last one did.
-    seeks_nearest: [bool; 2],
+    /// Surfaces have met since these were found.
+    met: bool,
     /// The nearest points at this query's pose, where they gave the verdict.
     measured: Option<Option<Closest>>,
     foremost: Foremost,
@@ -92,7 +92,6 @@ impl Coherent {
         self.is_judged = false;
         self.stayed_apart = false;
         self.measured = None;
-        self.seeks_nearest = [false, self.seeks_nearest[0]];
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -237,7 +236,7 @@ impl Coherent {
     ) -> Solidity {
         self.is_judged = true;
         if surface != Meeting::None {
-            self.apart = None;
+            (self.apart, self.met) = (None, true);
             return solidity(pair, surface, touching, counters);
         }
         let found = match self.apart.filter(|_| self.stayed_apart && self.cut.was_here()) {
@@ -257,7 +256,7 @@ impl Coherent {
         parting: DVec3,
         counters: &mut impl Tally,
     ) -> Option<Closest> {
-        self.seeks_nearest[0] = true;
+        let met = std::mem::take(&mut self.met);
         if let Some(found) = self.measured {
             self.nearest = found.map(|f| f.faces).or(self.nearest);
             return found;
@@ -270,9 +269,9 @@ impl Coherent {
             let (ahead, spare) = ahead(pair, step);
             let build = (GROWTH * limit).max(limit + ahead);
             let reach = Reach { least: limit, build, outgrown: build, spare, most: WIDEST * build };
-            // Where surfaces crossed a step ago, the limit is what faces measure now that were
-            // nearest long before: a cut that reaches so far would list too much.
-            let builds = self.seeks_nearest[1];
+            // Surfaces have met since: the nearest faces known are old, and may be far apart now. A
+            // cut that reaches so far lists too much.
+            let builds = !met;
             let cut = match limit < f64::INFINITY && step <= JUMP * smaller_radius(pair) {
                 true => self.cut.at(pair, &ground, (reach, builds), counters),
                 false => None,

@@ -142,8 +142,9 @@ impl RegionTracks {
     }
 }
 
-/// How many pairs of faces an old region (first) and a new one share, where any. `known`: those of
-/// the old ones, ascending, each with its region; `ordered`: a new one as it is looked for.
+/// How many pairs of faces an old region (first) and a new one share, where any. `known`: pairs of
+/// faces of old regions, ascending, each with its region. `ordered` puts a new region's pair into
+/// their order.
 fn links(
     known: &[([FaceId; 2], usize)],
     now: &[Tracked],

@@ -23,7 +23,7 @@ pub(crate) struct Reach {
     pub(crate) outgrown: f64,
     /// And so much farther where it is tested.
     pub(crate) spare: f64,
-    /// No farther than this, or it is built anew.
+    /// No farther than this, or it is built anew or given up.
     pub(crate) most: f64,
 }
 
@@ -74,15 +74,17 @@ impl KeptCut {
         let (mut build, mut held) = (reach.build, 0);
         if let Some(cut) = &mut self.cut {
             let followed = if self.is_here { true } else { cut.follow(pair, ground, counters) };
-            if followed && cut.reach() >= reach.least && cut.reach() <= reach.most {
+            // Where none may be built, one that is outgrown is kept for later.
+            let serves = cut.reach() >= reach.least;
+            if followed && (serves || !builds) && cut.reach() <= reach.most {
                 if !self.is_here {
                     self.age += 1;
                     self.backoff.succeeded();
                 }
                 self.is_here = true;
-                return self.cut.as_mut();
+                return self.cut.as_mut().filter(|_| serves);
             }
-            let is_outgrown = followed && cut.reach() < reach.least;
+            let is_outgrown = followed && !serves;
             held = cut.held();
             self.cut = None;
             counters.counters().front_rebuilt += 1;

@@ -284,6 +284,31 @@ fn the_first_distance_after_a_crossing_is_measured_without_a_cut() {
     }
 }
 
+/// Verdict and distance of one pair by turns: the cut that serves distances outlasts the verdicts.
+#[test]
+fn distances_keep_their_cut_where_verdicts_come_between() {
+    let ring = shape(Torus { major_segments: 64, minor_segments: 16, ..Torus::default() });
+    let linked = DQuat::from_axis_angle(DVec3::X, std::f64::consts::FRAC_PI_2);
+    let mut memory = PairMemory::default();
+    let (mut warm, mut cold, mut rebuilt) = (0, 0, 0);
+    for frame in 0..60 {
+        let turn = DQuat::from_axis_angle(DVec3::Y, 1e-4 * f64::from(frame));
+        let translation = DVec3::X * ring.bounds().max.x;
+        let pose = Pose { rotation: (turn * linked).normalize(), translation };
+        let (a, b) = (Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &ring, pose });
+        for demand in [Demand::Intersects, Demand::Distance { below: None }] {
+            let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            let alone = ask(a, b, demand);
+            assert_eq!(without_history(&answer), without_history(&alone), "frame {frame}");
+            let work = |counters: &Counters| counters.node_tests + counters.front_tested;
+            warm += work(&answer.counters);
+            cold += work(&alone.counters);
+            rebuilt += answer.counters.front_rebuilt;
+        }
+    }
+    assert!(4 * warm < cold && rebuilt < 10, "{warm} of {cold}, {rebuilt}");
+}
+
 /// A planner's samples: what was nearest is far apart now, and a cut that reaches so far would list
 /// most of the two rings.
 #[test]
