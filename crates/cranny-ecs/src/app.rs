@@ -77,6 +77,7 @@ pub struct RunOptions {
 ///     name: "gate".into(),
 ///     gravity: DVec3::ZERO,
 ///     step: 0.25,
+///     most_parts: None,
 ///     duration: 2.5,
 ///     seed: 0,
 ///     bodies: vec![

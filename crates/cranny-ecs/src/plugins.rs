@@ -48,7 +48,7 @@ pub struct PluginOptions {
     #[cfg(feature = "rapier")]
     pub substeps: Option<usize>,
     /// Into how many parts a step is divided at most in which bodies near each other move farther
-    /// than the thinner one is thick; `None`: 2. Our detector only.
+    /// than the thinner one is thick; `None`: what the scene says, or else 2. Our detector only.
     #[cfg(feature = "rapier")]
     pub most_parts: Option<usize>,
     /// Whether what effects report is detected beside the solver with our detector too, as it is
@@ -256,6 +256,11 @@ impl CrannyPlugins {
         let mut options = options.clone();
         let size = || typical_size(scene, spawn.shapes());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
+        #[cfg(feature = "rapier")]
+        {
+            let by_scene = scene.most_parts.map(|most| most as usize);
+            options.most_parts = options.most_parts.or(by_scene);
+        }
         let simulated_trackers = scene.bodies.iter().any(|body| body.tracker.is_some());
         let (gravity, accuracy, budget) = (scene.gravity, scene.accuracy, scene.budget);
         let scene = Some(spawn);

@@ -351,6 +351,7 @@ impl Replay {
             name: name.or_else(stem).unwrap_or_default(),
             gravity: DVec3::ZERO,
             step: entry("dt").and_then(|dt| dt.parse().ok()).unwrap_or(1.0),
+            most_parts: None,
             duration: 0.0,
             seed: 0,
             bodies: self.in_order().into_iter().map(|body| self.described(body, frame)).collect(),

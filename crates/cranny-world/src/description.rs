@@ -34,6 +34,9 @@ pub struct SceneDescription {
     pub gravity: DVec3,
     /// Duration of a step, seconds, > 0.
     pub step: f64,
+    /// Into how many parts, at least 1, the solver divides a step at most in which bodies near each
+    /// other move farther than the thinner one is thick; `None`: 2.
+    pub most_parts: Option<u32>,
     /// Simulated seconds, >= 0.
     pub duration: f64,
     /// For generated worlds and anything random.

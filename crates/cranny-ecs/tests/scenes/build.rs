@@ -41,6 +41,7 @@ pub(crate) fn scene(bodies: Vec<BodyDescription>, effects: &[Effect]) -> SceneDe
         name: "test".into(),
         gravity: DVec3::new(0.0, 0.0, -10.0),
         step: 1.0 / 64.0,
+        most_parts: None,
         duration: 1.0,
         seed: 0,
         bodies,

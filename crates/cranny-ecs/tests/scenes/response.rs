@@ -11,7 +11,7 @@ use cranny_geometry::{BuildOptions, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::{BodySpec, Detector as Detection, MassSource};
 use cranny_shapes::{Cuboid, Cup, Torus};
-use cranny_world::description::{BodyKind, Effect, Normals, PairDescription};
+use cranny_world::description::{BodyKind, Effect, Normals, PairDescription, SceneDescription};
 
 use crate::build::{cube, drop, scene};
 
@@ -28,6 +28,31 @@ fn entity(app: &SceneApp, name: &str) -> Entity {
 
 fn height(app: &SceneApp, name: &str) -> f32 {
     app.app().world().get::<Transform>(entity(app, name)).unwrap().translation.z
+}
+
+/// A cube flies at another, by more than its radius a step. By volume and area it is a third thick.
+#[test]
+fn a_scene_says_into_how_many_parts_its_steps_are_divided() {
+    let parts = |most_parts: Option<u32>, options: &PluginOptions| {
+        let bodies = vec![
+            cube("wall", BodyKind::Fixed, DVec3::X * 6.0, DVec3::ZERO),
+            cube("thrown", BodyKind::Dynamic, DVec3::ZERO, DVec3::X * 64.0),
+        ];
+        let gravity = DVec3::ZERO;
+        let scene = SceneDescription { gravity, most_parts, ..scene(bodies, &[Effect::Response]) };
+        let run = RunOptions { plugins: options.clone(), ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene, &run).unwrap();
+        let mut most = 0;
+        while app.step().unwrap() {
+            let world = app.app().world();
+            most = most.max(world.resource::<RigidBodies>().simulation().parts());
+        }
+        most
+    };
+    let by_scene = PluginOptions::default();
+    assert_eq!([None, Some(1), Some(2), Some(4)].map(|most| parts(most, &by_scene)), [2, 1, 2, 3]);
+    let by_program = PluginOptions { most_parts: Some(1), ..PluginOptions::default() };
+    assert_eq!(parts(Some(4), &by_program), 1, "the program's word is the last");
 }
 
 #[test]

@@ -81,6 +81,7 @@ fn described(sheet: &Sheet, options: &LoadOptions) -> SceneDescription {
         name: scene.name.clone().unwrap_or(stem),
         gravity: scene.gravity.0,
         step: scene.step.0,
+        most_parts: scene.most_parts.map(|most| most.0),
         duration: scene.duration.0,
         seed: options.seed.unwrap_or(scene.seed),
         bodies: Vec::with_capacity(scene.bodies.len()),

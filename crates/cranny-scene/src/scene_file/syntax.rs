@@ -29,6 +29,8 @@ pub(super) struct SceneFile {
     pub(super) gravity: Vector,
     #[serde(default = "default_step")]
     pub(super) step: Positive,
+    #[serde(default)]
+    pub(super) most_parts: Option<AtLeastOne>,
     #[serde(default = "default_duration")]
     pub(super) duration: NotNegative,
     #[serde(default)]
@@ -443,7 +445,7 @@ fn field_of_view() -> Positive {
 #[serde(deny_unknown_fields, default, rename = "Record")]
 pub(super) struct RecordFile {
     /// `None`: as many as make [`FRAMES_PER_SECOND`].
-    pub(super) every: Option<Every>,
+    pub(super) every: Option<AtLeastOne>,
 }
 
 /// Frames a second of a scene that does not say how many steps apart they are: what screens show.
@@ -457,19 +459,18 @@ impl RecordFile {
     }
 }
 
-/// At least 1.
+/// A whole number from 1.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "u32")]
-pub(super) struct Every(pub(super) u32);
+pub(super) struct AtLeastOne(pub(super) u32);
 
-impl TryFrom<u32> for Every {
+impl TryFrom<u32> for AtLeastOne {
     type Error = String;
 
-    fn try_from(every: u32) -> Result<Self, String> {
-        if every == 0 {
-            Err("expected a number of steps of at least 1, found 0".to_owned())
-        } else {
-            Ok(Self(every))
+    fn try_from(number: u32) -> Result<Self, String> {
+        match number {
+            0 => Err("expected a whole number of at least 1, found 0".to_owned()),
+            number => Ok(Self(number)),
         }
     }
 }

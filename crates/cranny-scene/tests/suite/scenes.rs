@@ -18,7 +18,7 @@ fn parse(text: &str) -> Result<LoadedScene, SceneError> {
 }
 
 /// Everything that the format has, in one scene.
-const FULL: &str = r#"(version: 1, gravity: (0, 0, -1), step: 0.01, duration: 2, seed: 3,
+const FULL: &str = r#"(version: 1, gravity: (0, 0, -1), step: 0.01, most_parts: 4, duration: 2, seed: 3,
  bodies: [(name: "nut", shape: Generator(Torus(major_radius: 2)), kind: Dynamic,
            pose: (at: (0, 0, 20), rotation: (0, 0, 0.6, 0.8)), velocity: (linear: (1, 0, 0), angular: (0, 0, 6.25)),
            material: (density: 2, friction: 0, restitution: 1), layers: ["a", "b"], effects: [Trigger()]),
@@ -38,8 +38,8 @@ fn everything_in_a_scene_arrives() {
     assert_eq!((loaded.source_text.as_str(), loaded.path.as_path()), (FULL, Path::new("test.ron")));
     let scene = loaded.description;
     assert_eq!(
-        (scene.name.as_str(), scene.step, scene.duration, scene.seed),
-        ("test", 0.01, 2.0, 3)
+        (scene.name.as_str(), scene.step, scene.most_parts, scene.duration, scene.seed),
+        ("test", 0.01, Some(4), 2.0, 3)
     );
     assert_eq!(scene.gravity, -DVec3::Z);
     let nut = &scene.bodies[0];
@@ -172,6 +172,7 @@ fn errors_name_line_column_and_what_was_expected() {
         ("at: (0, 0, 20)", "at: 20", "line 3, column", "written as `(0, 0, -9.81)`"),
         ("at: (0, 0, 20)", "at: (0, 0, 2,5)", "line 3, column", "numbers have a decimal point"),
         ("Cup()", "12", "line 5, column", "\"12\" is no name, and a choice stands here"),
+        ("most_parts: 4", "most_parts: 0", "line 1, column", "at least 1, found 0"),
         ("duration: 2", "duration: -2", "line 1, column", "at least 0, found -2"),
         (
             "0, 0, 0.6, 0.8",
