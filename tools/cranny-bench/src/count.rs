@@ -26,7 +26,8 @@ struct CountedWork {
     made: fn(&mut Bodies) -> Option<Work<'_>>,
 }
 
-/// What pieces of work share. Under the counter, making bodies takes much longer than the work.
+/// What pieces of work share: under the counter, making bodies takes much longer than the work.
+/// Equal meshes have one model, as bodies of a scene do.
 #[derive(Default)]
 struct Bodies {
     models: Vec<(Mesh, Model)>,
@@ -64,8 +65,8 @@ const REGIONS: Demand = Demand::Regions { margin: 0.0 };
 /// As far as the gap between the flanks of nut and bolt.
 const THREAD: Demand = Demand::contacts(0.05);
 
-/// Names have no spaces at their ends and stay as they are: figures are kept by them. A list shares
-/// bodies: its pieces are counted in one process, in this order.
+/// Names have no spaces at their ends and stay as they are: figures are kept by them. Pieces of a
+/// list may share bodies: they are counted in one process, in this order.
 const CASES: &[&[CountedWork]] = &[
     &[
         CountedWork {
@@ -152,8 +153,8 @@ const CASES: &[&[CountedWork]] = &[
     ],
 ];
 
-/// Does the pieces of work of those names, in that order; without a name, lists them, those that
-/// share bodies without an empty line between them.
+/// Does the pieces of work of those names, in that order; without a name, lists them, an empty line
+/// between lists.
 ///
 /// # Errors
 ///
@@ -168,8 +169,8 @@ pub(crate) fn count(names: &[String]) -> io::Result<()> {
     names.iter().try_for_each(|name| set_up_and_counted(name, &mut bodies))
 }
 
-/// When this is left, the counter writes down what it has counted in it: it knows it by its name,
-/// and takes another name for this than for what it counts.
+/// Sets a piece of work up and does it. Callgrind writes its counts down when this function
+/// returns, and finds it by name.
 #[inline(never)]
 fn set_up_and_counted(name: &str, bodies: &mut Bodies) -> io::Result<()> {
     let case = CASES.iter().copied().flatten().find(|case| case.name == name).ok_or_else(|| {

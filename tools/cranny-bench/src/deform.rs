@@ -312,8 +312,9 @@ impl Deformed {
         swinging.swing_followed().ok()?;
         swinging.swing_followed().ok()?;
         Some(Box::new(move || {
-            *is_away = true;
-            keep(swinging.swing_followed());
+            let swung = swinging.swing_followed();
+            *is_away = swung.is_ok();
+            keep(swung);
         }))
     }
 }

@@ -82,9 +82,9 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
-    /// Does fixed pieces of work once each, for a counter of instructions; without a name, lists them
+    /// Does fixed pieces of work, for a counter of instructions; without a name, lists them
     Count {
-        /// Which, in this order
+        /// Which, in this order: deformations begin at what those before them have left
         #[arg(value_name = "NAME")]
         names: Vec<String>,
     },

@@ -13,7 +13,7 @@ pub(crate) use scenes::scene;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::Demand;
 
-/// `None` where a mesh has no model.
+/// The prepared mesh, which is not searched for faces that meet; `None` where it has no model.
 pub(crate) fn model_of(mesh: &Mesh) -> Option<Model> {
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     Model::build(mesh.clone(), &options).ok().map(|(model, _)| model)

@@ -69,7 +69,7 @@ const FEATURES: &str = "cranny/scene,cranny/rapier,cranny/ecs,cranny/record,cran
 /// The function that does the work.
 const COUNTED: &str = "cranny_bench::count::counted*";
 
-/// And what sets it up as well: of one function callgrind takes one order alone.
+/// What sets it up as well: callgrind ignores a second option for the same pattern with `*`.
 const SET_UP_AND_COUNTED: &str = "cranny_bench::count::set_up_and_counted*";
 
 const BENCH: &str = "cranny-bench";
@@ -131,29 +131,27 @@ fn lines(text: &str) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-/// How many each piece of work takes, in the order of their names.
+/// How many each piece of work takes, in the order of `names`.
 fn instructions(bench: &Path, names: &[String]) -> Result<Vec<u64>, String> {
-    // Beside the program, under the name of the first piece: two of them are counted at a time.
-    let first = names.first().map_or("", String::as_str);
-    let file = bench.with_file_name(format!("instructions, {first}"));
     let mut valgrind = Command::new("valgrind");
     valgrind
         .env("GLIBC_TUNABLES", TUNABLES)
-        .args(["--tool=callgrind", "--combine-dumps=yes"])
-        .arg(format!("--callgrind-out-file={}", file.display()))
+        .args(["--tool=callgrind", "--combine-dumps=yes", "--callgrind-out-file=/dev/stdout"])
         .arg(format!("--toggle-collect={COUNTED}"))
         .arg(format!("--dump-after={SET_UP_AND_COUNTED}"))
         .arg(bench)
         .arg("count")
         .args(names);
-    output(&mut valgrind)?;
-    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let (text, said) = output(&mut valgrind)?;
     let counts = collected(&text);
     match counts.len() == names.len() {
         true => Ok(counts),
-        false => {
-            Err(format!("valgrind counted {} of {} pieces: {names:?}", counts.len(), names.len()))
-        }
+        false => Err(format!(
+            "valgrind counted {} of {} pieces of work, {names:?}; without any, {COUNTED} is no \
+             function of the program. It says:\n{said}",
+            counts.len(),
+            names.len()
+        )),
     }
 }
 
@@ -167,8 +165,8 @@ fn output(command: &mut Command) -> Result<(String, String), String> {
     }
 }
 
-/// The numbers behind `totals:`, one for each time that the function was left; 0 would mean that it
-/// was not found, or that the program has ended since.
+/// The numbers behind `totals:`, of each part that callgrind writes. Parts without a count are left
+/// out: that of the program's end, and all if the function is not found.
 fn collected(found: &str) -> Vec<u64> {
     let totals = found.lines().filter_map(|line| line.strip_prefix("totals:"));
     totals.filter_map(|number| number.trim().parse().ok()).filter(|&count| count > 0).collect()
