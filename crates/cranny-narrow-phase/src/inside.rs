@@ -38,11 +38,10 @@ pub(crate) fn locate(
     counters: &mut impl Tally,
 ) -> Location {
     counters.counters().inside_tests += 1;
-    let bounds = pair.bounds(side);
-    let near = p.rounded();
-    if !bounds.grown(p.rounding()).contains_point(near) || is_beside_solids(pair, side, p) {
+    if is_beside_solids(pair, side, p) {
         return Location::Outside;
     }
+    let (bounds, near) = (pair.bounds(side), p.rounded());
     // A generic direction is right at once; the loop ends because finitely many edges block only a
     // null set of directions and the sequence is equidistributed over an open set of them.
     let out = shortest_way_out(&bounds, near);
@@ -75,7 +74,10 @@ fn is_beside_solids(pair: &Pair, side: Side, p: &WeightedPoint) -> bool {
     let (near, slack) = local(pair, side, p.rounded());
     let slack = DVec3::splat(slack + p.rounding());
     let around = Aabb { min: near - slack, max: near + slack };
-    !pair.model(side).clusters().solids().iter().any(|solid| solid.overlaps(&around))
+    let model = pair.model(side);
+    // Of all, first: there may be many.
+    !model.bounds().overlaps(&around)
+        || !model.clusters().solids().iter().any(|solid| solid.overlaps(&around))
 }
 
 /// A point of the pair's frame in that of a body, and by how much that may be off.
