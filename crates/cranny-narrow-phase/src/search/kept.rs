@@ -74,15 +74,14 @@ impl KeptCut {
         let (mut build, mut held) = (reach.build, 0);
         if let Some(cut) = &mut self.cut {
             let followed = if self.is_here { true } else { cut.follow(pair, ground, counters) };
-            // Where none may be built, one that is outgrown is kept for later.
             let serves = cut.reach() >= reach.least;
-            if followed && (serves || !builds) && cut.reach() <= reach.most {
+            if followed && serves && cut.reach() <= reach.most {
                 if !self.is_here {
                     self.age += 1;
                     self.backoff.succeeded();
                 }
                 self.is_here = true;
-                return self.cut.as_mut().filter(|_| serves);
+                return self.cut.as_mut();
             }
             let is_outgrown = followed && !serves;
             held = cut.held();
