@@ -31,65 +31,207 @@ pub(crate) struct RegionPieces {
     pub(crate) pieces: [Piece; 2],
 }
 
-/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the
-/// first body's before the second's.
-type Member = usize;
+/// The vertices of a body that lie inside the other solid, each with the number of the set of them
+/// that hangs together along edges that are not cut; sets ascend from 0.
+pub(crate) type Inside = Vec<(VertexId, u32)>;
 
 /// Splits a generic intersection into regions.
 pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<RegionPieces> {
-    let mut joins: Vec<[Member; 2]> = intersection.segments.iter().map(|s| s.nodes).collect();
-    let first =
-        spread_inside(pair, Side::First, intersection, intersection.nodes.len(), &mut joins);
-    let behind = first.first_vertex + first.vertices.len();
-    let second = spread_inside(pair, Side::Second, intersection, behind, &mut joins);
-    let mut sets = DisjointSets::new(second.first_vertex + second.vertices.len());
-    for [a, b] in joins {
-        sets.union(a, b);
+    let cuts = Cuts::of(pair, intersection);
+    let mut regions = cuts.regions(&Side::BOTH.map(|side| cuts.spread_inside(side)));
+    cuts.complete(&mut regions);
+    regions
+}
+
+/// An end of the part of an edge that lies inside.
+#[derive(Clone, Copy)]
+enum PartEnd {
+    Node(usize),
+    Vertex(VertexId),
+}
+
+/// The edges of a body that the curves cut.
+struct CutEdges {
+    /// Their parts inside: by edge, then along it. Each edge has one at least, and a node is an end
+    /// of each part.
+    parts: Vec<(EdgeId, [PartEnd; 2])>,
+    named: Numbering,
+}
+
+impl CutEdges {
+    fn holds(&self, edge: EdgeId) -> bool {
+        self.named.get(u64::from(edge.0)).is_some()
     }
-    // All hang on a curve, so on a node.
-    let (cut_of, count) = sets.numbered();
-    let cut_of = |member: Member| cut_of[member] as usize;
-    let mut cuts = vec![RegionPieces::default(); count];
-    let mut faces = [Numbering::default(), Numbering::default()];
-    let mut add_face = |cuts: &mut [RegionPieces], cut: usize, side: Side, face: FaceId| {
-        let key = (cut as u64) << 32 | u64::from(face.0);
-        if faces[side.index()].number(key).1 {
-            cuts[cut].pieces[side.index()].faces.push(face);
-        }
-    };
-    for (index, s) in intersection.segments.iter().enumerate() {
-        let cut = cut_of(s.nodes[0]);
-        cuts[cut].segments.push(index);
-        for side in Side::BOTH {
-            add_face(&mut cuts, cut, side, s.faces[side.index()]);
-        }
+}
+
+/// A generic intersection and the edges that its curves cut.
+pub(crate) struct Cuts<'a, 'm> {
+    pair: &'a Pair<'m>,
+    intersection: &'a Intersection,
+    edges: [CutEdges; 2],
+}
+
+impl<'a, 'm> Cuts<'a, 'm> {
+    pub(crate) fn of(pair: &'a Pair<'m>, intersection: &'a Intersection) -> Self {
+        let edges = Side::BOTH.map(|side| {
+            let parts = parts_inside(pair, side, intersection);
+            let mut named = Numbering::for_keys(parts.len());
+            parts.iter().for_each(|(edge, _)| _ = named.number(u64::from(edge.0)));
+            CutEdges { parts, named }
+        });
+        Self { pair, intersection, edges }
     }
-    for (side, inside) in [(Side::First, first), (Side::Second, second)] {
-        for (&v, member) in inside.vertices.iter().zip(inside.first_vertex..) {
-            let cut = cut_of(member);
-            cuts[cut].pieces[side.index()].vertices.push(v);
-            for &face in pair.topology(side).faces_at(v) {
-                add_face(&mut cuts, cut, side, face);
+
+    /// The regions by segments and vertices alone, without edges and faces. `inside` holds all
+    /// vertices inside that hang together with a cut edge.
+    pub(crate) fn regions(&self, inside: &[Inside; 2]) -> Vec<RegionPieces> {
+        let segments = &self.intersection.segments;
+        // What is of one region has a number: nodes first, then sets, the first body's before the
+        // second's.
+        let sets = inside.each_ref().map(|of| of.last().map_or(0, |&(_, set)| set as usize + 1));
+        let nodes = self.intersection.nodes.len();
+        let first_set = [nodes, nodes + sets[0]];
+        let mut joined = DisjointSets::new(first_set[1] + sets[1]);
+        for s in segments {
+            joined.union(s.nodes[0], s.nodes[1]);
+        }
+        for (side, inside) in inside.iter().enumerate() {
+            let mut named = Numbering::for_keys(inside.len());
+            inside.iter().for_each(|&(v, _)| _ = named.number(u64::from(v.0)));
+            let member = |end: PartEnd| match end {
+                PartEnd::Node(node) => Some(node),
+                PartEnd::Vertex(v) => {
+                    let number = named.get(u64::from(v.0))?;
+                    Some(first_set[side] + inside[number as usize].1 as usize)
+                }
+            };
+            for &(_, [from, to]) in &self.edges[side].parts {
+                if let (Some(from), Some(to)) = (member(from), member(to)) {
+                    joined.union(from, to);
+                }
             }
         }
-        for (edge, ends, member) in inside.edges {
-            cuts[cut_of(member)].pieces[side.index()].edges.push((edge, ends));
+        let (region_of, count) = joined.numbered();
+        let mut regions = vec![RegionPieces::default(); count];
+        for (index, s) in segments.iter().enumerate() {
+            regions[region_of[s.nodes[0]] as usize].segments.push(index);
+        }
+        for (side, inside) in inside.iter().enumerate() {
+            for &(v, set) in inside {
+                let region = region_of[first_set[side] + set as usize];
+                regions[region as usize].pieces[side].vertices.push(v);
+            }
+        }
+        regions.retain(|region| !region.segments.is_empty());
+        regions
+    }
+
+    /// The vertices inside: ends of parts, and what is reached from these.
+    fn spread_inside(&self, side: Side) -> Inside {
+        let (topology, mesh) = (self.pair.topology(side), self.pair.mesh(side));
+        let cut = &self.edges[side.index()];
+        let mut reached = Numbering::for_keys(cut.parts.len());
+        let mut inside = Inside::new();
+        let (mut next, mut set) = (0, 0);
+        for &end in cut.parts.iter().flat_map(|(_, ends)| ends) {
+            let PartEnd::Vertex(start) = end else { continue };
+            if !reached.number(u64::from(start.0)).1 {
+                continue;
+            }
+            inside.push((start, set));
+            while let Some(&(v, _)) = inside.get(next) {
+                next += 1;
+                for &face in topology.faces_at(v) {
+                    // Closed: along every edge at the vertex some half-edge leaves it.
+                    let (i, w) = next_corner(mesh.corners(face), v);
+                    if reached.get(u64::from(w.0)).is_none()
+                        && !cut.holds(topology.edge_of(HalfEdgeId::of(face, i)))
+                    {
+                        reached.number(u64::from(w.0));
+                        inside.push((w, set));
+                    }
+                }
+            }
+            set += 1;
+        }
+        inside
+    }
+
+    /// Adds the edges and faces of the regions' pieces.
+    pub(crate) fn complete(&self, regions: &mut [RegionPieces]) {
+        let Self { pair, intersection, edges } = self;
+        let mut region_of = vec![0; intersection.nodes.len()];
+        for (index, region) in regions.iter().enumerate() {
+            for &s in &region.segments {
+                region_of[intersection.segments[s].nodes[0]] = index;
+            }
+        }
+        for side in Side::BOTH {
+            let cut = &edges[side.index()];
+            for &(edge, ends) in &cut.parts {
+                let mut region = 0;
+                let ends = ends.map(|end| match end {
+                    PartEnd::Node(node) => {
+                        region = region_of[node];
+                        intersection.nodes[node].point
+                    }
+                    PartEnd::Vertex(v) => pair.position(side, v),
+                });
+                regions[region].pieces[side.index()].edges.push((edge, ends));
+            }
+            for region in &mut *regions {
+                let segments = region.segments.iter();
+                let faces = segments.map(|&s| intersection.segments[s].faces[side.index()]);
+                add_uncut(pair, side, (faces, cut), &mut region.pieces[side.index()]);
+            }
         }
     }
-    cuts
 }
 
-/// What of one surface lies inside the other solid.
-struct Inside {
-    vertices: Vec<VertexId>,
-    /// The member that the first of the vertices is.
-    first_vertex: Member,
-    edges: Vec<(EdgeId, [DVec3; 2], Member)>,
+/// Adds to a piece its faces, those that segments pierce first, and its edges that are not cut.
+fn add_uncut(
+    pair: &Pair,
+    side: Side,
+    (pierced, cut): (impl Iterator<Item = FaceId>, &CutEdges),
+    piece: &mut Piece,
+) {
+    let (topology, mesh) = (pair.topology(side), pair.mesh(side));
+    let Piece { vertices, edges, faces } = piece;
+    let mut named = Numbering::for_keys(vertices.len());
+    faces.extend(pierced.filter(|face| named.number(u64::from(face.0)).1));
+    for &v in &*vertices {
+        for &face in topology.faces_at(v) {
+            if named.number(u64::from(face.0)).1 {
+                faces.push(face);
+            }
+            let (i, w) = next_corner(mesh.corners(face), v);
+            let half_edge = HalfEdgeId::of(face, i);
+            let edge = topology.edge_of(half_edge);
+            let leaves = |h: &HalfEdgeId| mesh.corners(h.face())[h.corner()] == v;
+            // Each edge once: from its lesser vertex, along the first half-edge that leaves it.
+            if v <= w
+                && !cut.holds(edge)
+                && topology.half_edges(edge).iter().copied().find(leaves) == Some(half_edge)
+            {
+                edges.push((edge, [v, w].map(|v| pair.position(side, v))));
+            }
+        }
+    }
 }
 
-/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes
-/// there.
-fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, EdgePassage, usize)> {
+/// The next corner of a face, and the number of the side that leads there.
+#[inline]
+pub(crate) fn next_corner(corners: [VertexId; 3], vertex: VertexId) -> (usize, VertexId) {
+    let at = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
+    (at, corners[(at + 1) % 3])
+}
+
+/// The parts inside of a body's edges that pass through the other surface.
+fn parts_inside(
+    pair: &Pair,
+    side: Side,
+    intersection: &Intersection,
+) -> Vec<(EdgeId, [PartEnd; 2])> {
     let mut passages: Vec<(EdgeId, EdgePassage, usize)> = Vec::new();
     for (node, n) in intersection.nodes.iter().enumerate() {
         let edge = match (side, n.features) {
@@ -102,73 +244,20 @@ fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, EdgePassage
     passages.sort_unstable_by(|(e, p, n), (g, q, m)| {
         e.cmp(g).then(p.parameter.total_cmp(&q.parameter)).then(n.cmp(m))
     });
-    passages
-}
-
-fn spread_inside(
-    pair: &Pair,
-    side: Side,
-    intersection: &Intersection,
-    first_vertex: Member,
-    joins: &mut Vec<[Member; 2]>,
-) -> Inside {
-    let topology = pair.topology(side);
-    let passages = passages(side, intersection);
-    let (mut cut_edges, mut reached) = (Numbering::default(), Numbering::default());
-    let mut inside = Inside { vertices: Vec::new(), first_vertex, edges: Vec::new() };
-    let mut reach = |v: VertexId, vertices: &mut Vec<VertexId>| {
-        let (number, is_new) = reached.number(u64::from(v.0));
-        if is_new {
-            vertices.push(v);
-        }
-        first_vertex + number as usize
-    };
+    let mut parts = Vec::with_capacity(passages.len());
     for list in passages.chunk_by(|x, y| x.0 == y.0) {
         let edge = list[0].0;
-        cut_edges.number(u64::from(edge.0));
-        let e = topology.edges()[edge.index()];
-        let point = |node: usize| intersection.nodes[node].point;
+        let e = pair.topology(side).edges()[edge.index()];
         let ((_, first, at_first), (_, last, at_last)) = (list[0], list[list.len() - 1]);
         if !first.inward {
-            joins.push([at_first, reach(e.from, &mut inside.vertices)]);
-            let ends = [pair.position(side, e.from), point(at_first)];
-            inside.edges.push((edge, ends, at_first));
+            parts.push((edge, [PartEnd::Vertex(e.from), PartEnd::Node(at_first)]));
         }
         if last.inward {
-            joins.push([at_last, reach(e.to, &mut inside.vertices)]);
-            inside.edges.push((edge, [point(at_last), pair.position(side, e.to)], at_last));
+            parts.push((edge, [PartEnd::Node(at_last), PartEnd::Vertex(e.to)]));
         }
         for w in list.windows(2).filter(|w| w[0].1.inward && !w[1].1.inward) {
-            joins.push([w[0].2, w[1].2]);
-            inside.edges.push((edge, [point(w[0].2), point(w[1].2)], w[0].2));
+            parts.push((edge, [PartEnd::Node(w[0].2), PartEnd::Node(w[1].2)]));
         }
     }
-    let mut next = 0;
-    while next < inside.vertices.len() {
-        let v = inside.vertices[next];
-        let member = first_vertex + next;
-        next += 1;
-        let p = pair.position(side, v);
-        for &face in topology.faces_at(v) {
-            let corners = pair.mesh(side).corners(face);
-            // Closed: along every edge at the vertex some half-edge leaves it.
-            for i in (0..3).filter(|&i| corners[i] == v) {
-                let half_edge = HalfEdgeId::of(face, i);
-                let edge = topology.edge_of(half_edge);
-                if cut_edges.get(u64::from(edge.0)).is_some() {
-                    continue;
-                }
-                let w = corners[(i + 1) % 3];
-                joins.push([member, reach(w, &mut inside.vertices)]);
-                let leaves = |h: &HalfEdgeId| pair.mesh(side).corners(h.face())[h.corner()] == v;
-                // Each edge once: from its lesser vertex, along the first half-edge that leaves it.
-                if v <= w
-                    && topology.half_edges(edge).iter().copied().find(leaves) == Some(half_edge)
-                {
-                    inside.edges.push((edge, [p, pair.position(side, w)], member));
-                }
-            }
-        }
-    }
-    inside
+    parts
 }

@@ -107,6 +107,7 @@ pub(crate) fn near_patches(
         }
     });
     memory.end();
+    let inside = std::mem::take(&mut deep.inside);
     for (patches, group) in deep.rest() {
         let spans = coarse.holds(pair, patches);
         contacts.extend(if spans { reduce(group) } else { group });
@@ -116,7 +117,7 @@ pub(crate) fn near_patches(
             contacts.iter().copied().filter(|contact| contact.separation < 0.0).collect();
         // Where penetrations are wanted, they say how deep regions are.
         if !overlapping.iter().any(|contact| wanted.is_deep(contact)) {
-            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping));
+            contacts.extend(contacts_of_walls(pair, &meeting, &overlapping, &inside));
         }
     }
     contacts.sort_by(nearer);

@@ -23,6 +23,7 @@ use crate::answer::{Contact, Feature};
 use crate::inside::is_inside;
 use crate::nearest_on::{NearestFace, NearestOn};
 use crate::pair::{Pair, Side};
+use crate::pieces::Inside;
 use crate::surface::FacePair;
 use crate::tally::Tally;
 
@@ -48,12 +49,14 @@ pub(super) struct Overlaps<'p, 'm> {
     pair: &'p Pair<'m>,
     coarse: Coarse,
     groups: BTreeMap<[PatchId; 2], Vec<Contact>>,
+    /// Of each body, in the other.
+    pub(super) inside: [Inside; 2],
 }
 
 impl<'p, 'm> Overlaps<'p, 'm> {
     /// No contacts.
     pub(super) fn none(pair: &'p Pair<'m>, coarse: Coarse) -> Self {
-        Self { pair, coarse, groups: BTreeMap::new() }
+        Self { pair, coarse, groups: BTreeMap::new(), inside: Default::default() }
     }
 
     /// That vertices and edges about the crossing faces make.
@@ -117,12 +120,12 @@ fn vertices_inside(
     let pair = found.pair;
     let vertices = vertices_within(pair, side, meeting, counters);
     if vertices.len() >= MANY {
-        let all = || vertices.iter().map(|&vertex| pair.position(side, vertex));
+        let all = || vertices.iter().map(|&(vertex, _)| pair.position(side, vertex));
         let center = Aabb::of_points(all()).center();
         let radius = all().map(|p| (p - center).length()).fold(0.0, f64::max);
         surfaces[side.other().index()].gather((center, radius), counters);
     }
-    for vertex in vertices {
+    for &(vertex, _) in &vertices {
         let p = pair.position(side, vertex);
         let nearest = surfaces[side.other().index()].to(p, counters);
         let foot = Feature::of_part(nearest.part, pair.model(side.other()), nearest.face);
@@ -135,6 +138,7 @@ fn vertices_inside(
             found.add(contact);
         }
     }
+    found.inside[side.index()] = vertices;
 }
 
 /// The contact of a vertex inside the other solid with the nearest point of its surface.

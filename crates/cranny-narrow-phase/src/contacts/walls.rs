@@ -12,14 +12,14 @@
 //! dug in so deep.
 
 use cranny_exact::DVec3;
-use cranny_geometry::{EdgeId, FaceId};
+use cranny_geometry::FaceId;
 
 use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, Way, range};
 use crate::intersection::{Intersection, intersect};
 use crate::outline::Outline;
 use crate::pair::{Pair, Side};
-use crate::pieces::{RegionPieces, cut};
+use crate::pieces::{Cuts, Inside, RegionPieces};
 use crate::reduce::reduce;
 use crate::regions::is_closed;
 use crate::surface::FacePair;
@@ -35,11 +35,13 @@ const FAR_DEEPER: f64 = 3.0;
 const DUG: f64 = 0.01;
 
 /// Contacts of regions that are far deeper than the contacts that are known of them, in the pair's
-/// frame. Empty in special positions: faces that are flush have dug in nowhere.
+/// frame. Empty in special positions: faces that are flush have dug in nowhere. `inside` are the
+/// [`vertices_within`](super::within::vertices_within) of each body.
 pub(super) fn contacts_of_walls(
     pair: &Pair,
     meeting: &[FacePair],
     known: &[Contact],
+    inside: &[Inside; 2],
 ) -> Vec<Contact> {
     let mut found = Vec::new();
     if !is_closed(pair) || !meeting.iter().any(|faces| is_pierced_sharply(pair, faces)) {
@@ -51,17 +53,27 @@ pub(super) fn contacts_of_walls(
     }
     let [first, second] = Side::BOTH.map(|side| pair.model(side).radius());
     let least = DUG * first.min(second);
-    for pieces in &cut(pair, &intersection) {
-        let Some(normal) = Outline::of(&intersection, &pieces.segments).normal() else { continue };
-        if !has_sharp_node(pair, &intersection, pieces) {
-            continue;
+    // The direction of a region that may have dug in, and how deep what has not is at most.
+    let may_have_dug_in = |pieces: &RegionPieces| {
+        let normal = Outline::of(&intersection, &pieces.segments).normal()?;
+        // A segment for each pair of faces.
+        if !pieces.segments.iter().any(|&s| is_pierced_sharply(pair, &meeting[s])) {
+            return None;
         }
         let of_region = known.iter().filter(|contact| is_of(contact, pieces));
         let depth = of_region.map(|contact| -contact.separation).fold(0.0, f64::max);
         let shallow = least.max(FAR_DEEPER * depth);
-        if width(pair, &intersection, pieces, normal) <= shallow {
-            continue;
-        }
+        (width(pair, &intersection, pieces, normal) > shallow).then_some((normal, shallow))
+    };
+    let cuts = Cuts::of(pair, &intersection);
+    let mut regions = cuts.regions(inside);
+    // Mostly none has, and curves and vertices alone say so.
+    if regions.iter().all(|pieces| may_have_dug_in(pieces).is_none()) {
+        return found;
+    }
+    cuts.complete(&mut regions);
+    for pieces in &regions {
+        let Some((normal, shallow)) = may_have_dug_in(pieces) else { continue };
         let region = MeasuredRegion::of(pair, &intersection, pieces);
         let own = region.measure(Way::along(normal), false).0;
         if -own.separation <= shallow
@@ -87,19 +99,6 @@ fn is_pierced_sharply(pair: &Pair, faces: &FacePair) -> bool {
             let owner = usize::from(end.owner);
             is_sharp(pair, Side::BOTH[owner], of[owner], usize::from(end.edge))
         })
-    })
-}
-
-fn has_sharp_node(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) -> bool {
-    let mut nodes = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
-    let is_sharp = |side: Side, edge: EdgeId| {
-        let along = pair.topology(side).half_edges(edge).first();
-        along.is_some_and(|h| is_sharp(pair, side, h.face(), h.corner()))
-    };
-    nodes.any(|node| match intersection.nodes[node].features {
-        (Feature::Edge(e), _) => is_sharp(Side::First, e),
-        (_, Feature::Edge(e)) => is_sharp(Side::Second, e),
-        _ => false,
     })
 }
 

@@ -10,6 +10,7 @@ use cranny_geometry::{FaceId, VertexId};
 use crate::inside::{Location, locate};
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
+use crate::pieces::{Inside, next_corner};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 
@@ -24,7 +25,7 @@ pub(super) fn vertices_within(
     side: Side,
     meeting: &[FacePair],
     counters: &mut impl Tally,
-) -> Vec<VertexId> {
+) -> Inside {
     let mesh = pair.mesh(side);
     let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
     let key = |v: VertexId| u64::from(v.0);
@@ -36,7 +37,7 @@ pub(super) fn vertices_within(
     start.retain(|&v| at_faces.number(key(v)).1);
     let cut = edges_that_meet(pair, side, meeting);
     let mut known = Numbering::for_keys(start.len());
-    let mut found = Vec::new();
+    let (mut found, mut set) = (Inside::new(), 0);
     let mut sure: Vec<VertexId> = Vec::new();
     for vertex in start {
         if !known.number(key(vertex)).1 {
@@ -47,10 +48,12 @@ pub(super) fn vertices_within(
         sure.push(vertex);
         while let Some(v) = sure.pop() {
             if is_inside {
-                found.push(v);
+                found.push((v, set));
             }
             for &face in pair.topology(side).faces_at(v) {
-                let (i, w) = next(mesh.corners(face), v);
+                // That way round is enough: a face that does not meet the other surface leads to all
+                // its corners, and those of one that does are in the list from which all begins.
+                let (i, w) = next_corner(mesh.corners(face), v);
                 // Outside, no farther than the faces that meet.
                 let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
                 let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
@@ -60,18 +63,9 @@ pub(super) fn vertices_within(
                 }
             }
         }
+        set += u32::from(is_inside);
     }
     found
-}
-
-/// The next corner of a face, and the number of the side that leads there.
-///
-/// It is enough to go that way: round a face that does not meet the other surface it leads to all
-/// corners, and those of a face that does are in the list from which all begins.
-#[inline]
-fn next(corners: [VertexId; 3], vertex: VertexId) -> (usize, VertexId) {
-    let at = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
-    (at, corners[(at + 1) % 3])
 }
 
 /// The edges of a body that meet the other surface, numbered.
@@ -110,11 +104,13 @@ fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
 mod tests {
     use super::*;
     use crate::answer::Counters;
+    use crate::intersection::{Chains, intersect};
+    use crate::pieces::{Cuts, Piece, RegionPieces, cut};
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, DVec3, Pose};
     use cranny_geometry::{BuildOptions, Mesh, Model};
-    use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
+    use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, Shape, Torus};
     use cranny_testkit::Rng;
 
     fn model(mesh: Mesh) -> Model {
@@ -179,7 +175,8 @@ mod tests {
             let meeting = meeting_pairs(&pair, &mut Counters::default());
             for side in Side::BOTH {
                 let mut counters = Counters::default();
-                let mut found = vertices_within(&pair, side, &meeting, &mut counters);
+                let found = vertices_within(&pair, side, &meeting, &mut counters);
+                let mut found: Vec<VertexId> = found.into_iter().map(|(v, _)| v).collect();
                 found.sort_unstable();
                 assert_eq!(found, asked_one_by_one(&pair, side, &meeting), "round {round}");
                 some += u32::from(!found.is_empty());
@@ -187,5 +184,51 @@ mod tests {
             }
         }
         assert!(some > 150 && spared > 30, "{some} {spared}");
+    }
+
+    /// By what is located and by the curves alone, the same vertices are inside and make the same
+    /// regions.
+    #[test]
+    fn vertices_within_make_the_regions_that_curves_cut_out() {
+        let shapes: [Shape; 4] = [
+            Cuboid::default().into(),
+            Cup { segments: 9, ..Cup::default() }.into(),
+            Comb { teeth: 4, ..Comb::default() }.into(),
+            GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() }.into(),
+        ];
+        let bodies = shapes.map(|s| model(s.build().unwrap()));
+        let mut rng = Rng::new(22);
+        let (mut regions, mut of_many_curves, mut without_vertices) = (0, 0, 0);
+        for round in 0..300 {
+            let [a, b] = [&bodies[rng.below(4)], &bodies[rng.below(4)]];
+            let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+            let translation = 0.9 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let pair = Pair::of_accepted(
+                Placed { model: a, pose: Pose::IDENTITY },
+                Placed { model: b, pose: Pose { rotation, translation } },
+            );
+            let meeting = meeting_pairs(&pair, &mut Counters::default());
+            let intersection = intersect(&pair, &meeting);
+            assert!(intersection.generic, "round {round}");
+            let within = |side| vertices_within(&pair, side, &meeting, &mut Counters::default());
+            let cuts = Cuts::of(&pair, &intersection);
+            let seen = |regions: Vec<RegionPieces>| -> Vec<_> {
+                let sorted = |piece: &Piece| {
+                    let mut vertices = piece.vertices.clone();
+                    vertices.sort_unstable();
+                    vertices
+                };
+                let of = |r: RegionPieces| (r.pieces.each_ref().map(sorted), r.segments);
+                regions.into_iter().map(of).collect()
+            };
+            let found = seen(cuts.regions(&Side::BOTH.map(within)));
+            assert_eq!(found, seen(cut(&pair, &intersection)), "round {round}");
+            regions += found.len();
+            let mut chains = Chains::of(&intersection);
+            of_many_curves += found.iter().filter(|r| chains.follow(&r.1).len() > 1).count();
+            without_vertices += found.iter().filter(|r| r.0.iter().all(Vec::is_empty)).count();
+        }
+        let seen = [regions, of_many_curves, without_vertices];
+        assert!(seen.iter().zip([200, 30, 10]).all(|(seen, least)| *seen > least), "{seen:?}");
     }
 }
