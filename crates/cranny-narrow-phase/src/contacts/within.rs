@@ -51,8 +51,8 @@ pub(super) fn vertices_within(
                 found.push((v, set));
             }
             for &face in pair.topology(side).faces_at(v) {
-                // That way round is enough: a face that does not meet the other surface leads to all
-                // its corners, and those of one that does are in the list from which all begins.
+                // That way round is enough: a face that does not meet the other surface leads to
+                // all its corners, and those of one that does are in the list that begins it all.
                 let (i, w) = next_corner(mesh.corners(face), v);
                 // Outside, no farther than the faces that meet.
                 let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
