@@ -163,13 +163,11 @@ impl<'a> Pair<'a> {
         let mut first_from_second = self.first_from_second;
         first_from_second.translation += offset;
         Pair {
-            models: self.models,
             first_from_second,
-            world_from_first: self.world_from_first,
             bulge,
-            swapped: self.swapped,
             length_error: length_error(self.models, &first_from_second),
             posed: (bulge != 0.0).then_some(posed),
+            ..*self
         }
     }
 
@@ -320,10 +318,6 @@ impl<'a> Pair<'a> {
         self.world_from_first.bounds(bounds)
     }
 
-    pub(crate) fn world_vector(&self, v: DVec3) -> DVec3 {
-        self.world_from_first.apply_vector(v)
-    }
-
     /// Whether the first is the caller's B.
     pub(crate) fn is_swapped(&self) -> bool {
         self.swapped
@@ -360,14 +354,8 @@ impl<'a> Pair<'a> {
 
     /// A contact of the pair's frame and order, as the caller wants it.
     pub(crate) fn world_contact(&self, contact: Contact) -> Contact {
-        let c = if self.swapped { contact.swapped() } else { contact };
-        Contact {
-            id: c.id,
-            point_a: self.world_point(c.point_a),
-            point_b: self.world_point(c.point_b),
-            normal: self.world_vector(c.normal),
-            separation: c.separation,
-        }
+        let contact = if self.swapped { contact.swapped() } else { contact };
+        contact.moved(&self.world_from_first)
     }
 
     /// A point of the pair's frame and its feature as a witness, in world coordinates.
@@ -378,7 +366,7 @@ impl<'a> Pair<'a> {
 
     /// From first to second, in the caller's words: from A to B.
     pub(crate) fn world_normal(&self, normal: DVec3) -> DVec3 {
-        let n = self.world_vector(normal);
+        let n = self.world_from_first.apply_vector(normal);
         if self.swapped { -n } else { n }
     }
 }
