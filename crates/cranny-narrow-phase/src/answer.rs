@@ -2,9 +2,9 @@
 
 use std::ops::AddAssign;
 
-use cranny_exact::{Arithmetic, DVec3, Interval, Meeting, RigidMap};
+use cranny_exact::{DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::triangle_distance::Part;
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, Topology, VertexId};
 
 use crate::penetration::Penetration;
 
@@ -110,6 +110,15 @@ impl Feature {
             Part::Inside => Self::Face(face),
         }
     }
+
+    /// The faces that have it.
+    pub(crate) fn faces(self, topology: &Topology) -> Vec<FaceId> {
+        match self {
+            Self::Vertex(vertex) => topology.faces_at(vertex).to_vec(),
+            Self::Edge(edge) => topology.half_edges(edge).iter().map(|h| h.face()).collect(),
+            Self::Face(face) => vec![face],
+        }
+    }
 }
 
 /// A pair of points where the bodies meet or nearly do.
@@ -191,6 +200,13 @@ pub struct Region {
 
 impl PartialEq for Region {
     fn eq(&self, other: &Self) -> bool {
+        self.place() == other.place()
+    }
+}
+
+impl Region {
+    /// All but its history.
+    fn place(&self) -> impl PartialEq {
         let Self {
             id: _,
             from: _,
@@ -204,20 +220,8 @@ impl PartialEq for Region {
             triangle_pairs,
         } = self;
         (faces, deepest, normal, depth, area, points, curves, triangle_pairs)
-            == (
-                &other.faces,
-                &other.deepest,
-                &other.normal,
-                &other.depth,
-                &other.area,
-                &other.points,
-                &other.curves,
-                &other.triangle_pairs,
-            )
     }
-}
 
-impl Region {
     /// With the bodies' names exchanged.
     #[must_use]
     pub fn swapped(mut self) -> Self {
@@ -225,9 +229,7 @@ impl Region {
         self.faces.sort_unstable();
         self.deepest = self.deepest.swapped();
         self.normal = -self.normal;
-        for point in &mut self.points {
-            *point = point.swapped();
-        }
+        self.points.iter_mut().for_each(|point| *point = point.swapped());
         self
     }
 }
@@ -302,14 +304,6 @@ impl Counters {
             + self.triangle_tests
             + self.inside_tests
     }
-
-    /// Counts how it was decided whether two triangles meet.
-    pub(crate) fn judged(&mut self, by: Arithmetic) {
-        match by {
-            Arithmetic::Filter => self.triangles_filtered += 1,
-            Arithmetic::Adaptive => self.triangles_adaptive += 1,
-        }
-    }
 }
 
 impl AddAssign for Counters {
@@ -375,9 +369,7 @@ impl Answer {
     pub fn swapped(mut self) -> Self {
         self.contained = self.contained.map(Containment::swapped);
         self.witnesses = self.witnesses.map(|[a, b]| [b, a]);
-        for contact in &mut self.contacts {
-            *contact = contact.swapped();
-        }
+        self.contacts.iter_mut().for_each(|contact| *contact = contact.swapped());
         self.regions = self.regions.into_iter().map(Region::swapped).collect();
         self.penetrations = self.penetrations.into_iter().map(Penetration::swapped).collect();
         self
@@ -386,24 +378,16 @@ impl Answer {
     /// The same answer in another frame: every point and direction is moved. Lengths stay.
     #[must_use]
     pub fn moved(mut self, map: &RigidMap) -> Self {
-        for witness in self.witnesses.iter_mut().flatten() {
-            witness.point = map.apply(witness.point);
-        }
-        for contact in &mut self.contacts {
-            *contact = contact.moved(map);
-        }
-        for penetration in &mut self.penetrations {
-            *penetration = penetration.moved(map);
-        }
+        let place = |p: &mut DVec3| *p = map.apply(*p);
+        let contact = |contact: &mut Contact| *contact = contact.moved(map);
+        self.witnesses.iter_mut().flatten().for_each(|witness| place(&mut witness.point));
+        self.contacts.iter_mut().for_each(contact);
+        self.penetrations.iter_mut().for_each(|it| *it = it.moved(map));
         for region in &mut self.regions {
-            region.deepest = region.deepest.moved(map);
+            contact(&mut region.deepest);
             region.normal = map.apply_vector(region.normal);
-            for point in &mut region.points {
-                *point = point.moved(map);
-            }
-            for p in region.curves.iter_mut().flat_map(|c| &mut c.points) {
-                *p = map.apply(*p);
-            }
+            region.points.iter_mut().for_each(contact);
+            region.curves.iter_mut().flat_map(|curve| &mut curve.points).for_each(place);
         }
         self
     }

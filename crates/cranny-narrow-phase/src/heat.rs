@@ -1,7 +1,7 @@
 //! Where on two bodies a search looks, face by face: for drawing.
 
 use cranny_geometry::clusters::LANES;
-use cranny_geometry::{FaceId, HalfEdgeId, Model};
+use cranny_geometry::{FaceId, Model};
 
 use crate::answer::Feature;
 use crate::observe::{ComparedBoxes, SearchObserver};
@@ -95,15 +95,6 @@ impl<'m> SearchHeat<'m> {
         }
         times
     }
-
-    fn face_of(&self, body: usize, feature: Feature) -> Option<FaceId> {
-        let topology = self.models[body].topology();
-        match feature {
-            Feature::Face(face) => Some(face),
-            Feature::Edge(edge) => topology.half_edges(edge).first().copied().map(HalfEdgeId::face),
-            Feature::Vertex(vertex) => topology.faces_at(vertex).first().copied(),
-        }
-    }
 }
 
 impl SearchObserver for SearchHeat<'_> {
@@ -133,7 +124,7 @@ impl SearchObserver for SearchHeat<'_> {
 
     fn features(&mut self, pair: [Feature; 2]) {
         for (body, feature) in pair.into_iter().enumerate() {
-            if let Some(face) = self.face_of(body, feature) {
+            if let Some(face) = feature.faces(self.models[body].topology()).first() {
                 self.faces[body][face.index()] += 1;
             }
         }

@@ -64,8 +64,8 @@ fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
 fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<NearRegion> {
     let mut places: Vec<([FaceId; 2], usize)> = Vec::new();
     for (index, contact) in contacts.iter().enumerate() {
-        let of_second = faces_at(pair, Side::Second, contact.id.1);
-        for f in faces_at(pair, Side::First, contact.id.0) {
+        let of_second = contact.id.1.faces(pair.topology(Side::Second));
+        for f in contact.id.0.faces(pair.topology(Side::First)) {
             places.extend(of_second.iter().map(|&g| ([f, g], index)));
         }
     }
@@ -83,16 +83,6 @@ fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<NearRegion> {
         regions[region_of[index] as usize].faces.push(faces);
     }
     regions
-}
-
-/// The faces that have a feature.
-fn faces_at(pair: &Pair, side: Side, feature: Feature) -> Vec<FaceId> {
-    let topology = pair.topology(side);
-    match feature {
-        Feature::Vertex(vertex) => topology.faces_at(vertex).to_vec(),
-        Feature::Edge(edge) => topology.half_edges(edge).iter().map(|h| h.face()).collect(),
-        Feature::Face(face) => vec![face],
-    }
 }
 
 #[cfg(test)]

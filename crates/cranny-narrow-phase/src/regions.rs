@@ -30,7 +30,7 @@ pub(crate) fn meeting_regions(
         return (Vec::new(), rounding);
     }
     if !solid {
-        return (outer_touch(pair, pairs), rounding);
+        return (touch_regions(pair, pairs), rounding);
     }
     let here = intersect(pair, pairs);
     if !is_closed(pair) {
@@ -41,7 +41,7 @@ pub(crate) fn meeting_regions(
         in_general_position(pair, posed, &here, counters, closed_regions, depth);
     if found.is_empty() {
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
-        return (outer_touch(pair, pairs), rounding);
+        return (touch_regions(pair, pairs), rounding);
     }
     if !here.generic {
         found.iter_mut().for_each(|found| found.settle(pair));
@@ -51,22 +51,6 @@ pub(crate) fn meeting_regions(
 
 pub(crate) fn is_closed(pair: &Pair) -> bool {
     Side::BOTH.iter().all(|&s| pair.model(s).is_closed())
-}
-
-fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
-    let closed = is_closed(pair);
-    let regions = touch_regions(pair, pairs).into_iter().map(|t| {
-        let found = Found {
-            normal: t.normal,
-            depth: closed.then_some(0.0),
-            area: closed.then_some(t.area),
-            points: reduce(t.contacts),
-            curves: Vec::new(),
-            faces: t.faces,
-        };
-        found.finish(pair)
-    });
-    regions.collect()
 }
 
 /// A region in the pair's frame and order, but for its curves.
@@ -164,7 +148,7 @@ fn closed_region(
 /// Where a surface is open: connected curves, without depth or area.
 fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) -> Vec<Region> {
     if intersection.segments.is_empty() {
-        return outer_touch(pair, pairs);
+        return touch_regions(pair, pairs);
     }
     // Of segments: a node where surfaces touch in a point has none.
     let mut sets = DisjointSets::new(intersection.segments.len());

@@ -37,20 +37,30 @@ impl FacePair {
         meeting.meets().then_some(Self { first, second, meeting, crossing })
     }
 
+    /// The face of a body.
+    pub(crate) fn face(&self, side: Side) -> FaceId {
+        match side {
+            Side::First => self.first,
+            Side::Second => self.second,
+        }
+    }
+
+    /// A point that the faces share, to rounding, in the pair's frame: an end of their
+    /// intersection, or a corner of their overlap; and the features that hold it.
+    pub(crate) fn shared_point(&self, pair: &Pair) -> (DVec3, (Feature, Feature)) {
+        if let Some(node) = first_node(pair, self) {
+            return (node.point, node.features);
+        }
+        let [a, b] = Side::BOTH.map(|side| pair.triangle(side, self.face(side)));
+        let features = (Feature::Face(self.first), Feature::Face(self.second));
+        (triangle_distance(&a, &b).points[0], features)
+    }
+
     /// A point that the faces share, to rounding, as a witness on A and one on B: an end of their
     /// intersection, or a corner of their overlap. World coordinates.
     #[must_use]
     pub fn witnesses(&self, pair: &Pair) -> [Witness; 2] {
-        let (point, features) = match first_node(pair, self) {
-            Some(node) => (node.point, node.features),
-            None => {
-                let nearest = triangle_distance(
-                    &pair.triangle(Side::First, self.first),
-                    &pair.triangle(Side::Second, self.second),
-                );
-                (nearest.points[0], (Feature::Face(self.first), Feature::Face(self.second)))
-            }
-        };
+        let (point, features) = self.shared_point(pair);
         pair.ordered(pair.world_witness(point, features.0), pair.world_witness(point, features.1))
     }
 }

@@ -3,25 +3,18 @@
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, orient3d};
-use cranny_geometry::{DisjointSets, FaceId, VertexId};
+use cranny_geometry::{DisjointSets, VertexId};
 
-use crate::answer::{Contact, Feature};
-use crate::intersection::{Intersection, intersect};
+use crate::answer::{Contact, Feature, Region};
+use crate::intersection::{Intersection, Node, intersect};
 use crate::pair::{Pair, Side};
+use crate::reduce::reduce;
+use crate::regions::{Found, is_closed};
 use crate::surface::FacePair;
 
-/// A connected region of touching faces, in the pair's frame.
-pub(crate) struct TouchRegion {
-    pub(crate) normal: DVec3,
-    pub(crate) area: f64,
-    pub(crate) contacts: Vec<Contact>,
-    /// Those that touch.
-    pub(crate) faces: Vec<[FaceId; 2]>,
-}
-
-/// Groups touching pairs into regions: pairs whose faces share a vertex on both bodies are
-/// neighbours.
-pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegion> {
+/// Groups touching pairs into regions, in world coordinates and the caller's order: pairs whose
+/// faces share a vertex on both bodies are neighbours.
+pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<Region> {
     let mut sets = DisjointSets::new(touching.len());
     let mut seen: HashMap<(VertexId, VertexId), usize> = HashMap::new();
     for (i, t) in touching.iter().enumerate() {
@@ -33,10 +26,11 @@ pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegi
     }
     let of_group =
         |group: Vec<usize>| -> Vec<FacePair> { group.into_iter().map(|i| touching[i]).collect() };
-    sets.groups().into_iter().map(|group| region(pair, &of_group(group))).collect()
+    sets.groups().into_iter().map(|group| region(pair, &of_group(group)).finish(pair)).collect()
 }
 
-fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
+/// A connected region of touching faces.
+fn region(pair: &Pair, pairs: &[FacePair]) -> Found {
     let intersection = intersect(pair, pairs);
     let mut area_vector = DVec3::ZERO;
     let mut contacts = Vec::new();
@@ -62,16 +56,13 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
     }
     if contacts.is_empty() {
         // Degenerate faces that touch in one line or point.
-        let t = pairs[0];
-        let nearest = cranny_geometry::triangle_distance::triangle_distance(
-            &pair.triangle(Side::First, t.first),
-            &pair.triangle(Side::Second, t.second),
-        );
-        let id = (Feature::Face(t.first), Feature::Face(t.second));
-        contacts.push(Contact::touching(id, nearest.points[0], normal));
+        let (point, features) = pairs[0].shared_point(pair);
+        contacts.push(Contact::touching(features, point, normal));
     }
+    let figure = |figure| is_closed(pair).then_some(figure);
+    let (depth, area, points) = (figure(0.0), figure(area), reduce(contacts));
     let faces = pairs.iter().map(|p| [p.first, p.second]).collect();
-    TouchRegion { normal, area, contacts, faces }
+    Found { normal, depth, area, points, curves: Vec::new(), faces }
 }
 
 /// The normal where bodies touch in points or lines: the face's where one is part of it, else of
@@ -85,7 +76,7 @@ fn point_normal(pair: &Pair, intersection: &Intersection) -> DVec3 {
     if let Some(normal) = by_face {
         return normal;
     }
-    let towards = |n: &crate::intersection::Node| {
+    let towards = |n: &Node| {
         mean_normal(pair, Side::First, n.features.0) - mean_normal(pair, Side::Second, n.features.1)
     };
     let crossed = intersection.nodes.iter().find_map(|n| {
@@ -105,15 +96,8 @@ fn point_normal(pair: &Pair, intersection: &Intersection) -> DVec3 {
 }
 
 /// Sum of the unit normals of the faces at a feature.
-pub(crate) fn mean_normal(pair: &Pair, side: Side, feature: Feature) -> DVec3 {
-    let topology = pair.topology(side);
-    match feature {
-        Feature::Vertex(v) => topology.faces_at(v).iter().map(|&f| pair.normal(side, f)).sum(),
-        Feature::Edge(e) => {
-            topology.half_edges(e).iter().map(|h| pair.normal(side, h.face())).sum()
-        }
-        Feature::Face(f) => pair.normal(side, f),
-    }
+fn mean_normal(pair: &Pair, side: Side, feature: Feature) -> DVec3 {
+    feature.faces(pair.topology(side)).into_iter().map(|f| pair.normal(side, f)).sum()
 }
 
 /// The overlap of two triangles in one plane: `b` cut by the sides of `a` (Sutherland and Hodgman
@@ -140,9 +124,7 @@ fn overlap(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3) -> Vec<DVec3> {
 }
 
 fn polygon_area(polygon: &[DVec3], normal: DVec3) -> f64 {
-    let mut twice = 0.0;
-    for k in 2..polygon.len() {
-        twice += normal.dot((polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]));
-    }
+    let from = |k: usize| polygon[k] - polygon[0];
+    let twice: f64 = (2..polygon.len()).map(|k| normal.dot(from(k - 1).cross(from(k)))).sum();
     0.5 * twice.abs()
 }
