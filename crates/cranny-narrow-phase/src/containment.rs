@@ -75,11 +75,8 @@ struct Parts {
 
 impl Parts {
     fn add(&mut self, location: Location) {
-        match location {
-            Location::Inside => self.inside = true,
-            Location::Outside => self.outside = true,
-            Location::On => {}
-        }
+        self.inside |= location == Location::Inside;
+        self.outside |= location == Location::Outside;
     }
 }
 
@@ -112,33 +109,20 @@ fn whole_components(pair: &Pair, side: Side, counters: &mut impl Tally) -> Parts
     parts
 }
 
-/// How a face is sampled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sampling {
-    /// It shares no point with the other surface; with its like it hangs together.
-    Free,
-    /// It touches this many faces, each in a point if it has a single cell.
-    Touches(u32),
-    /// It overlaps a face of the other solid in one plane: it is flush, or has several cells.
-    Flush,
-}
-
 /// Points of the faces: one for all that hang together untouched, some for each that touches.
 fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut impl Tally) -> Parts {
-    let mut sampling = vec![Sampling::Free; pair.mesh(side).faces().len()];
+    // How many faces each touches, in a point each if it has a single cell; `None` where it
+    // overlaps a face of the other solid in one plane: it is flush, or has several cells.
+    let mut touched = vec![Some(0); pair.mesh(side).faces().len()];
     for t in touching {
-        let closed = pair.topology(side.other()).in_closed_component(face_on(t, side.other()));
-        let slot = &mut sampling[face_on(t, side).index()];
-        *slot = match *slot {
-            Sampling::Flush => Sampling::Flush,
-            _ if closed && view_of_overlap(pair, t).is_some() => Sampling::Flush,
-            Sampling::Touches(count) => Sampling::Touches(count + 1),
-            Sampling::Free => Sampling::Touches(1),
-        };
+        let closed = pair.topology(side.other()).in_closed_component(t.face(side.other()));
+        let slot = &mut touched[t.face(side).index()];
+        let is_single = |_: &u32| !(closed && view_of_overlap(pair, t).is_some());
+        *slot = slot.filter(is_single).map(|count| count + 1);
     }
-    let free = |f: FaceId| sampling[f.index()] == Sampling::Free;
+    let free = |f: FaceId| touched[f.index()] == Some(0);
     let topology = pair.topology(side);
-    let mut sets = DisjointSets::new(sampling.len());
+    let mut sets = DisjointSets::new(touched.len());
     for e in 0..topology.edges().len() as u32 {
         let around = topology.half_edges(EdgeId(e));
         for w in around.windows(2) {
@@ -149,24 +133,13 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut impl T
         }
     }
     let mut parts = Parts::default();
-    for (f, &how) in sampling.iter().enumerate() {
-        let triangle = pair.triangle(side, FaceId(f as u32));
-        match how {
-            Sampling::Free if sets.find(f) == f => {
-                let corner = WeightedPoint::at(triangle[0]);
-                parts.add(locate(pair, side.other(), &corner, counters));
-            }
-            Sampling::Touches(count) => {
-                let at = |p| locate(pair, side.other(), &p, counters);
-                parts.add(
-                    samples(triangle, count)
-                        .map(at)
-                        .find(|&l| l != Location::On)
-                        .unwrap_or(Location::On),
-                );
-            }
-            Sampling::Free | Sampling::Flush => {}
-        }
+    for (f, &count) in touched.iter().enumerate() {
+        // What is untouched shares no point with the other surface: its first corner is not on it.
+        let count = count.filter(|&count| count > 0 || sets.find(f) == f);
+        let at = |p| locate(pair, side.other(), &p, counters);
+        let points = count.map(|count| samples(pair.triangle(side, FaceId(f as u32)), count));
+        let off = points.and_then(|points| points.map(at).find(|&l| l != Location::On));
+        parts.add(off.unwrap_or(Location::On));
     }
     parts
 }
@@ -177,13 +150,6 @@ fn samples(corners: [DVec3; 3], touches: u32) -> impl Iterator<Item = WeightedPo
     let steps = touches + 2;
     let inner = (1..steps).map(move |k| WeightedPoint::new(corners, [k, steps, steps - k]));
     corners.map(WeightedPoint::at).into_iter().chain(inner)
-}
-
-fn face_on(pair: &FacePair, side: Side) -> FaceId {
-    match side {
-        Side::First => pair.first,
-        Side::Second => pair.second,
-    }
 }
 
 /// Whether faces of closed components overlap in one plane.
@@ -198,16 +164,14 @@ struct Flush {
 fn flush(pair: &Pair, touching: &[FacePair]) -> Flush {
     let mut flush = Flush::default();
     for t in touching {
-        let closed = Side::BOTH
-            .iter()
-            .all(|&side| pair.topology(side).in_closed_component(face_on(t, side)));
-        if closed && let Some(view) = view_of_overlap(pair, t) {
-            let turn = |side| view.turn(&pair.triangle(side, face_on(t, side)));
-            if turn(Side::First) == turn(Side::Second) {
-                flush.same = true;
-            } else {
-                flush.opposite = true;
-            }
+        let closed = |&side: &Side| pair.topology(side).in_closed_component(t.face(side));
+        if Side::BOTH.iter().all(closed)
+            && let Some(view) = view_of_overlap(pair, t)
+        {
+            let [first, second] =
+                Side::BOTH.map(|side| view.turn(&pair.triangle(side, t.face(side))));
+            flush.same |= first == second;
+            flush.opposite |= first != second;
         }
     }
     flush
@@ -226,7 +190,7 @@ fn view_of_overlap(pair: &Pair, t: &FacePair) -> Option<Projection> {
 fn judge_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
     let others = side.other();
     for t in touching {
-        let (own, other) = (face_on(t, side), face_on(t, others));
+        let (own, other) = (t.face(side), t.face(others));
         if !pair.topology(others).in_closed_component(other) {
             continue;
         }
@@ -252,19 +216,19 @@ fn judge_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Pa
 fn runs_through(segment: &[DVec3; 2], triangle: &[DVec3; 3], view: Projection) -> bool {
     let s = segment.map(|p| view.apply(p));
     let t = view.counter_clockwise(triangle);
-    let beyond_a_side =
-        (0..3).any(|i| s.iter().all(|&p| orient2d(t[i], t[(i + 1) % 3], p) != Sign::Positive));
     let sides = t.map(|p| orient2d(s[0], s[1], p));
     let beside =
         sides.iter().all(|&x| x != Sign::Positive) || sides.iter().all(|&x| x != Sign::Negative);
-    !beyond_a_side && !beside
+    !beyond_a_side(&t, &s) && !beside
 }
 
 /// Whether the insides of two triangles in one plane overlap.
 fn overlap_in_plane(a: &[DVec3; 3], b: &[DVec3; 3], view: Projection) -> bool {
     let (a, b) = (view.counter_clockwise(a), view.counter_clockwise(b));
-    let separates = |t: &[DVec2; 3], u: &[DVec2; 3]| {
-        (0..3).any(|i| u.iter().all(|&p| orient2d(t[i], t[(i + 1) % 3], p) != Sign::Positive))
-    };
-    !separates(&a, &b) && !separates(&b, &a)
+    !beyond_a_side(&a, &b) && !beyond_a_side(&b, &a)
+}
+
+/// Whether no point lies inside of some side of a triangle that turns left.
+fn beyond_a_side(t: &[DVec2; 3], points: &[DVec2]) -> bool {
+    (0..3).any(|i| points.iter().all(|&p| orient2d(t[i], t[(i + 1) % 3], p) != Sign::Positive))
 }
