@@ -19,10 +19,7 @@ impl Borders {
             let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
             // Seen against its own normal, the first's piece is left of the segment; the second's
             // right.
-            match side {
-                Side::First => (s.faces[0], [p, q]),
-                Side::Second => (s.faces[1], [q, p]),
-            }
+            (s.faces[side.index()], side.ordered(p, q))
         };
         let mut borders: Vec<_> = cut.segments.iter().map(border).collect();
         borders.sort_by_key(|border| border.0);

@@ -326,8 +326,9 @@ impl View<'_, '_, '_> {
                 beside = Some((depth, id, foot));
             }
         }
-        let contact = |(depth, face, foot)| {
-            self.contact(side, vertex.feature, Feature::Face(face), p, foot, depth)
+        let contact = |(depth, face, foot): (f64, FaceId, DVec3)| {
+            let features = [vertex.feature, Feature::Face(face)];
+            side.contact(features, [p, foot], sign * self.way.normal, -depth)
         };
         if let Some(best) = best {
             depths.offer(contact(best), keep);
@@ -372,7 +373,8 @@ impl View<'_, '_, '_> {
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
                 let depth = self.height(p) - self.height(q);
                 if depth > 0.0 && depth <= self.way.most {
-                    let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, depth);
+                    let features = [e.what.0, g.what.0];
+                    let contact = Side::First.contact(features, [p, q], self.way.normal, -depth);
                     depths.offer(contact, keep);
                 }
             }
@@ -388,20 +390,6 @@ impl View<'_, '_, '_> {
             (Feature::Face(s.faces[side.index()]), s.nodes.map(|n| intersection.nodes[n].point))
         };
         cut.pieces[side.index()].edges.iter().map(edge).chain(cut.segments.iter().map(rim))
-    }
-
-    fn contact(
-        &self,
-        side: Side,
-        own: Feature,
-        its: Feature,
-        p: DVec3,
-        q: DVec3,
-        depth: f64,
-    ) -> Contact {
-        let normal = if side == Side::First { self.way.normal } else { -self.way.normal };
-        let (id, separation) = ((own, its), -depth);
-        side.in_order(Contact { id, point_a: p, point_b: q, normal, separation })
     }
 
     /// Where the line through `p` along the normal meets a triangle.

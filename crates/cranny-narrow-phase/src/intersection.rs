@@ -170,13 +170,9 @@ impl PiercedEnd {
         // where it begins.
         let inward = (is_end == (owner == 0)) == along;
         let ends = if along { [own[i], own[(i + 1) % 3]] } else { [own[(i + 1) % 3], own[i]] };
-        let parameter = piercing_parameter(&ends, &other);
-        let features = match owner {
-            0 => (Feature::Edge(edge), Feature::Face(faces[1])),
-            _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
-        };
-        let point = ends[0] + (ends[1] - ends[0]) * parameter;
-        Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
+        let pierced = Feature::Face(faces[1 - owner]);
+        let features = Side::BOTH[owner].ordered(Feature::Edge(edge), pierced);
+        pierced_node(features.into(), &ends, &other, inward)
     }
 }
 
@@ -222,43 +218,32 @@ impl Builder<'_, '_> {
 
     /// Whether and where side `i` of a face meets the other face off its plane.
     fn pierce(&mut self, p: &FacePair, side: Side, i: usize) -> Option<End> {
-        let (own, other) = match side {
-            Side::First => (p.first, p.second),
-            Side::Second => (p.second, p.first),
-        };
-        let corners = self.pair.triangle(side, own);
+        let (pair, other_side) = (self.pair, side.other());
+        let (own, other) = (p.face(side), p.face(other_side));
+        let corners = pair.triangle(side, own);
         let ends = [corners[i], corners[(i + 1) % 3]];
-        let triangle = self.pair.triangle(side.other(), other);
+        let triangle = pair.triangle(other_side, other);
         let Piercing::Point { on_segment, on_triangle } = locate_piercing(&ends, &triangle) else {
             return None;
         };
         let own_feature = match on_segment {
-            SegmentFeature::Start => Feature::Vertex(self.pair.corner(side, own, i)),
-            SegmentFeature::Interior => Feature::Edge(self.pair.edge(side, own, i)),
-            SegmentFeature::End => Feature::Vertex(self.pair.corner(side, own, (i + 1) % 3)),
+            SegmentFeature::Start => Feature::Vertex(pair.corner(side, own, i)),
+            SegmentFeature::Interior => Feature::Edge(pair.edge(side, own, i)),
+            SegmentFeature::End => Feature::Vertex(pair.corner(side, own, (i + 1) % 3)),
         };
-        let other_side = side.other();
         let other_feature = match on_triangle {
             TriangleFeature::Vertex(k) => {
-                Feature::Vertex(self.pair.corner(other_side, other, k as usize))
+                Feature::Vertex(pair.corner(other_side, other, k as usize))
             }
-            TriangleFeature::Edge(k) => {
-                Feature::Edge(self.pair.edge(other_side, other, k as usize))
-            }
+            TriangleFeature::Edge(k) => Feature::Edge(pair.edge(other_side, other, k as usize)),
             TriangleFeature::Interior => Feature::Face(other),
         };
         let simple = matches!((own_feature, other_feature), (Feature::Edge(_), Feature::Face(_)));
         // The side starts in front of the other face, so it goes inward.
         let inward = orient3d(triangle[0], triangle[1], triangle[2], ends[0]) == Sign::Positive;
-        let begins = simple.then_some(match side {
-            Side::First => !inward,
-            Side::Second => inward,
-        });
-        let features = match side {
-            Side::First => (own_feature, other_feature),
-            Side::Second => (other_feature, own_feature),
-        };
-        Some(End { node: self.node(features), begins })
+        let begins = simple.then_some(inward == (side == Side::Second));
+        let features = side.ordered(own_feature, other_feature);
+        Some(End { node: self.node(features.into()), begins })
     }
 
     fn node(&mut self, features: (Feature, Feature)) -> usize {
@@ -270,51 +255,42 @@ impl Builder<'_, '_> {
     }
 
     fn runs_against_the_normals(&self, p: &FacePair, a: usize, b: usize) -> bool {
-        let along = self
-            .pair
-            .area_vector(Side::First, p.first)
-            .cross(self.pair.area_vector(Side::Second, p.second));
-        along.dot(self.out.nodes[b].point - self.out.nodes[a].point) < 0.0
+        let [n, m] = Side::BOTH.map(|side| self.pair.area_vector(side, p.face(side)));
+        n.cross(m).dot(self.out.nodes[b].point - self.out.nodes[a].point) < 0.0
     }
 }
 
 /// Where two features meet; which they do.
 fn construct(pair: &Pair, features: (Feature, Feature)) -> Node {
-    let point = match features {
-        (Feature::Vertex(v), _) => pair.position(Side::First, v),
-        (_, Feature::Vertex(v)) => pair.position(Side::Second, v),
-        (Feature::Edge(e), Feature::Face(f)) => return on_edge(pair, Side::First, e, f, features),
-        (Feature::Face(f), Feature::Edge(e)) => return on_edge(pair, Side::Second, e, f, features),
+    let at = |point| Node { features, point, passage: None };
+    let (side, edge, face) = match features {
+        (Feature::Edge(e), Feature::Face(f)) => (Side::First, e, f),
+        (Feature::Face(f), Feature::Edge(e)) => (Side::Second, e, f),
+        (Feature::Vertex(v), _) => return at(pair.position(Side::First, v)),
+        (_, Feature::Vertex(v)) => return at(pair.position(Side::Second, v)),
         (Feature::Edge(e), Feature::Edge(g)) => {
             let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
-            p[0] + (p[1] - p[0]) * closest_on_segments(&p, &q).0
+            return at(p[0] + (p[1] - p[0]) * closest_on_segments(&p, &q).0);
         }
-        (Feature::Face(f), Feature::Face(_)) => pair.triangle(Side::First, f)[0],
+        (Feature::Face(f), Feature::Face(_)) => return at(pair.triangle(Side::First, f)[0]),
     };
-    Node { features, point, passage: None }
-}
-
-/// The point in which an edge pierces a face's plane, between the edge's ends.
-fn on_edge(
-    pair: &Pair,
-    side: Side,
-    edge: EdgeId,
-    face: FaceId,
-    features: (Feature, Feature),
-) -> Node {
-    let ends = pair.segment(side, edge);
-    let triangle = pair.triangle(side.other(), face);
-    let parameter = piercing_parameter(&ends, &triangle);
+    let (ends, triangle) = (pair.segment(side, edge), pair.triangle(side.other(), face));
     let inward = orient3d(triangle[0], triangle[1], triangle[2], ends[0]) == Sign::Positive;
-    let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
+    pierced_node(features, &ends, &triangle, inward)
 }
 
-/// How far along a segment, from 0 to 1, it pierces the plane of a triangle.
-fn piercing_parameter([p, q]: &[DVec3; 2], [a, b, c]: &[DVec3; 3]) -> f64 {
+/// The node in which an edge pierces a face's plane, between the edge's ends.
+fn pierced_node(
+    features: (Feature, Feature),
+    &[p, q]: &[DVec3; 2],
+    [a, b, c]: &[DVec3; 3],
+    inward: bool,
+) -> Node {
     let normal = 0.5 * (*b - *a).cross(*c - *a);
-    let (dp, dq) = (normal.dot(*p - *a), normal.dot(*q - *a));
-    if dp == dq { 0.5 } else { (dp / (dp - dq)).clamp(0.0, 1.0) }
+    let (dp, dq) = (normal.dot(p - *a), normal.dot(q - *a));
+    let parameter = if dp == dq { 0.5 } else { (dp / (dp - dq)).clamp(0.0, 1.0) };
+    let passage = Some(EdgePassage { parameter, inward });
+    Node { features, point: p + (q - p) * parameter, passage }
 }
 
 /// The segments that leave each node, for following them.

@@ -43,9 +43,26 @@ impl Side {
         self as usize
     }
 
+    /// In the pair's order, what is of this side and what is of the other.
+    pub(crate) fn ordered<T>(self, own: T, its: T) -> [T; 2] {
+        if self == Self::First { [own, its] } else { [its, own] }
+    }
+
     /// In the pair's order, a contact that has what is of this side first.
     pub(crate) fn in_order(self, contact: Contact) -> Contact {
         if self == Self::First { contact } else { contact.swapped() }
+    }
+
+    /// In the pair's order, the contact of a feature of this side with one of the other, at a
+    /// point of each; the normal leads from this side to the other.
+    pub(crate) fn contact(
+        self,
+        [own, its]: [Feature; 2],
+        [point_a, point_b]: [DVec3; 2],
+        normal: DVec3,
+        separation: f64,
+    ) -> Contact {
+        self.in_order(Contact { id: (own, its), point_a, point_b, normal, separation })
     }
 }
 

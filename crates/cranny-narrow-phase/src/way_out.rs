@@ -196,13 +196,9 @@ fn deepest_place(region: &MeasuredRegion) -> Option<Contact> {
         let middles = middles.map(|(&f, [a, b, c])| (Feature::Face(f), (*a + *b + *c) / 3.0));
         for (own, p) in vertices.chain(middles) {
             let nearest = surface.to(p, counters);
-            let contact = side.in_order(Contact {
-                id: (own, Feature::Face(nearest.face)),
-                point_a: p,
-                point_b: nearest.foot,
-                normal: -pair.normal(side.other(), nearest.face),
-                separation: -nearest.distance,
-            });
+            let features = [own, Feature::Face(nearest.face)];
+            let normal = -pair.normal(side.other(), nearest.face);
+            let contact = side.contact(features, [p, nearest.foot], normal, -nearest.distance);
             let is_deeper = deepest.is_none_or(|deepest| nearer(&contact, &deepest).is_lt());
             let is_vertex = matches!(own, Feature::Vertex(_));
             if is_deeper && (is_vertex || is_inside(pair, side.other(), p, counters)) {
@@ -419,14 +415,9 @@ fn nearest_ways_out(region: &MeasuredRegion, own: &Contact) -> Vec<Contact> {
             });
             let Some((face, q)) = nearest else { continue };
             last = Some(face);
-            let contact = Contact {
-                id: (Feature::Vertex(v), Feature::Face(face.0)),
-                point_a: p,
-                point_b: q,
-                normal: -region.pair.normal(side.other(), face.0),
-                separation: -(q - p).length(),
-            };
-            contacts.push(side.in_order(contact));
+            let features = [Feature::Vertex(v), Feature::Face(face.0)];
+            let normal = -region.pair.normal(side.other(), face.0);
+            contacts.push(side.contact(features, [p, q], normal, -(q - p).length()));
         }
     }
     contacts

@@ -32,18 +32,6 @@ pub(crate) enum Stand {
     Beside(Part),
 }
 
-/// The contact as seen from the vertex's side: `side` holds what is at `p`.
-fn contact(
-    side: Side,
-    [own, its]: [Feature; 2],
-    [p, foot]: [DVec3; 2],
-    towards: DVec3,
-    separation: f64,
-) -> Contact {
-    let (id, normal) = ((own, its), towards);
-    side.in_order(Contact { id, point_a: p, point_b: foot, normal, separation })
-}
-
 /// A vertex of `side`, at `p`, before a face of the other body, of these corners; not behind its
 /// plane (but for rounding), no farther than `below`.
 pub(crate) fn vertex_face(
@@ -70,7 +58,7 @@ pub(crate) fn vertex_face(
         && separation >= -pair.length_error()
         && faces_towards(pair, side, vertex, -outward);
     let features = [Feature::Vertex(vertex), Feature::Face(face)];
-    Stand::Over(real.then(|| contact(side, features, [p, foot], -outward, separation)))
+    Stand::Over(real.then(|| side.contact(features, [p, foot], -outward, separation)))
 }
 
 /// A vertex before an edge or a vertex of the other body, no farther than `below`, where both are
@@ -107,7 +95,7 @@ pub(crate) fn vertex_rim(
             Feature::Edge(e) => in_wedge(pair, other, e, -towards),
             Feature::Face(_) => false,
         };
-    faced.then(|| contact(side, [Feature::Vertex(vertex), rim], [p, foot], towards, separation))
+    faced.then(|| side.contact([Feature::Vertex(vertex), rim], [p, foot], towards, separation))
 }
 
 /// Two edges that cross when seen along their common normal, no farther than `below` (or rounding)
