@@ -137,11 +137,9 @@ impl Demand {
             (_, None) => true,
             (None, _) => false,
             (_, Intersects) | (Regions { .. }, Distance { .. }) => true,
-            (Distance { below: have }, Distance { below: want }) => match (have, want) {
-                (Option::None, _) => true,
-                (Some(have), Some(want)) => have >= want,
-                (Some(_), Option::None) => false,
-            },
+            (Distance { below: have }, Distance { below: want }) => {
+                have.is_none_or(|have| want.is_some_and(|want| have >= want))
+            }
             (Contacts { margin: have, normals: m }, Contacts { margin: want, normals: n }) => {
                 have >= want && m == n
             }
