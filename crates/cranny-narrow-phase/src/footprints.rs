@@ -8,6 +8,8 @@
 use cranny_exact::DVec3;
 use wide::f32x8;
 
+use crate::search::lanes_of;
+
 /// Boxes in a block.
 const LANES: usize = 8;
 
@@ -89,13 +91,11 @@ impl Footprints {
                 & most_x.simd_ge(left)
                 & least_y.simd_le(top)
                 & most_y.simd_ge(bottom);
-            let mut lanes = meets.to_bitmask();
-            while lanes != 0 {
-                let thing = number * LANES + lanes.trailing_zeros() as usize;
+            for lane in lanes_of(meets.to_bitmask()) {
+                let thing = number * LANES + lane;
                 if thing < end {
                     found.push(thing as u32);
                 }
-                lanes &= lanes - 1;
             }
         }
     }

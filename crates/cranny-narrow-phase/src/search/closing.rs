@@ -8,7 +8,7 @@ use cranny_geometry::clusters::{WRENCH, WideNode, WrenchBox};
 use wide::f32x8;
 
 use super::ground::Ground;
-use super::lanes::wide;
+use super::lanes::{single, wide};
 use crate::approach::Approach;
 use crate::pair::{Pair, Side};
 
@@ -39,7 +39,6 @@ impl Screw {
         let Approach { linear, spread, turn, swing, .. } = motion;
         let force = *swing + turn.cross(origin);
         let moment = *turn * unit;
-        let single = |v: DVec3| v.to_array().map(|x| x as f32);
         let [f, m] = [force, moment].map(single);
         let turning = [f[0], f[1], f[2], m[0], m[1], m[2]];
         let columns = [spread.x_axis, spread.y_axis, spread.z_axis];

@@ -15,11 +15,11 @@
 //!
 //! A cut holds no answers: it lists no less than all pairs of clusters within reach.
 
-use cranny_exact::{DMat3, DVec3, RigidMap};
+use cranny_exact::{DVec3, RigidMap};
 use wide::f32x8;
 
 use super::ground::{At, Ground};
-use super::lanes::{Wide3, greatest, lanes_of, masked, wide, within};
+use super::lanes::{Wide3, greatest, lanes_of, masked, single, wide, within};
 use super::parted::Leaf;
 use crate::motion::MATRIX_ERROR;
 use crate::pair::{Pair, Side};
@@ -119,8 +119,7 @@ impl Pivot {
         let middle = 0.5 * (own.min.max(its.min) + own.max.min(its.max));
         let tree = ground.tree(Side::Second);
         // Beyond the body it would be no better.
-        let at = ((middle.clamp(own.min, own.max) - tree.origin()) / tree.unit()).to_array();
-        let at = at.map(|x| x as f32);
+        let at = single((middle.clamp(own.min, own.max) - tree.origin()) / tree.unit());
         let point = tree.origin() + tree.unit() * DVec3::from_array(at.map(f64::from));
         let root = tree.root();
         let farthest = f64::from(length(minus(root.center, at)) + root.radius);
@@ -242,11 +241,7 @@ impl Cut {
         if before == now {
             return 0.0;
         }
-        let turn = DMat3 {
-            x_axis: now.linear.x_axis - before.linear.x_axis,
-            y_axis: now.linear.y_axis - before.linear.y_axis,
-            z_axis: now.linear.z_axis - before.linear.z_axis,
-        };
+        let turn = now.linear - before.linear;
         let squares = [turn.x_axis, turn.y_axis, turn.z_axis].map(DVec3::length_squared);
         // Of a difference of rotations two singular values are equal and the third is nothing.
         let turned =
@@ -268,15 +263,11 @@ impl Cut {
         stack: &mut Vec<Place>,
         counters: &mut impl Tally,
     ) {
-        let block = &mut self.blocks[index];
-        counters.counters().front_tested += u64::from(block.ended.count_ones());
-        counters.boxes(|| ground.compared(block.at, block.side, u32::from(block.ended)));
-        let what = (self.pivot.at, self.reach, self.spare);
-        let tested = test(ground, block.at, block.side, what, u32::from(block.ended));
-        block.ended = tested.ended;
-        counters.counters().front_split += tested.near.count_ones() as u64;
-        self.due[index] = tested.due(&self.spent);
-        push(ground, block.at, block.side, &tested, stack);
+        let Block { at, side, ended } = self.blocks[index];
+        counters.counters().front_tested += u64::from(ended.count_ones());
+        let tested = self.test(ground, (at, side, u32::from(ended)), stack, counters);
+        (self.blocks[index].ended, self.due[index]) = tested;
+        counters.counters().front_split += u64::from((ended & !tested.0).count_ones());
     }
 
     /// Goes down from what is on the stack, and keeps where that ends.
@@ -295,15 +286,60 @@ impl Cut {
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
             counters.counters().node_tests += u64::from(node.count);
-            counters.boxes(|| ground.compared(at, side, node.mask()));
-            let tested =
-                test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
-            if tested.ended != 0 {
-                self.due.push(tested.due(&self.spent));
-                self.blocks.push(Block { at, side, ended: tested.ended });
+            let (ended, due) = self.test(ground, (at, side, node.mask()), stack, counters);
+            if ended != 0 {
+                self.due.push(due);
+                self.blocks.push(Block { at, side, ended });
             }
-            push(ground, at, side, &tested, stack);
         }
+    }
+
+    /// Tests the lanes of `mask` of the node at a place of `side` against the other place; what is
+    /// within reach goes to the stack. Returns the other lanes, and when they are due.
+    fn test(
+        &self,
+        ground: &Ground,
+        (at, side, mask): ([At; 2], Side, u32),
+        stack: &mut Vec<Place>,
+        counters: &mut impl Tally,
+    ) -> (u8, Due) {
+        counters.boxes(|| ground.compared(at, side, mask));
+        let (i, pivot) = (side.index(), self.pivot.at);
+        let index = ground.child(side, at[i]).index();
+        let node = &ground.tree(side).nodes()[index];
+        let gaps = ground.gaps(side, node, at[1 - i]);
+        let near = within(gaps, f32x8::splat(ground.reach(side, self.reach + self.spare))) & mask;
+        let ended = mask & !near;
+        let nearest = -greatest(masked(-gaps, ended, f32::NEG_INFINITY));
+        let slack = (ground.certain(side, nearest) - self.reach - 2.0 * ground.posing()).max(0.0);
+        let unit = ground.tree(Side::Second).unit();
+        let distance = |center: [f32; 3]| length(minus(center, pivot));
+        let radius = match side {
+            // What of the second body is there.
+            Side::First => {
+                let b = ground.boxed(Side::Second, at[1]);
+                f64::from(distance(b.center) + b.radius) * unit * SPARE
+            }
+            // That, or what of the first one is, as seen from the pivot: it may go as far as the
+            // slack lets it.
+            Side::Second => {
+                let from = Wide3::of(&node.center).minus(&Wide3::all(pivot));
+                let farthest = from.dot(&from).sqrt() + wide(&node.radius);
+                let farthest = greatest(masked(farthest, ended, 0.0));
+                let b = ground.placed(Side::Second, at[0]);
+                // Where it is placed is off by as much as the bounds are.
+                let off = f64::from(ground.reach(Side::Second, 0.0)) * unit;
+                let its = f64::from(distance(b.center) + b.radius) * unit * SPARE + off;
+                (f64::from(farthest) * unit * SPARE).min(its + ground.posing() + slack)
+            }
+        };
+        let gaps = gaps.to_array();
+        for lane in lanes_of(near) {
+            let mut next = at;
+            next[i] = At::lane(index, lane);
+            stack.push(Place { at: next, gap: gaps[lane], side });
+        }
+        (ended as u8, Due { radius, limit: slack + self.spent.of(radius) })
     }
 
     /// How many blocks are kept.
@@ -316,60 +352,6 @@ impl Cut {
             + self.due.capacity() * size_of::<Due>()
             + self.leaves.capacity() * size_of::<Leaf>()
     }
-}
-
-/// What a test of eight boxes found.
-struct Tested {
-    ended: u8,
-    near: u32,
-    gaps: f32x8,
-    slack: f64,
-    radius: f64,
-}
-
-impl Tested {
-    fn due(&self, spent: &Spent) -> Due {
-        Due { radius: self.radius, limit: self.slack + spent.of(self.radius) }
-    }
-}
-
-/// Tests the lanes of `mask` of the node at a place of `side` against the other place.
-fn test(
-    ground: &Ground,
-    at: [At; 2],
-    side: Side,
-    (pivot, reach, spare): ([f32; 3], f64, f64),
-    mask: u32,
-) -> Tested {
-    let i = side.index();
-    let node = &ground.tree(side).nodes()[ground.child(side, at[i]).index()];
-    let gaps = ground.gaps(side, node, at[1 - i]);
-    let near = within(gaps, f32x8::splat(ground.reach(side, reach + spare))) & mask;
-    let ended = mask & !near;
-    let nearest = -greatest(masked(-gaps, ended, f32::NEG_INFINITY));
-    let slack = (ground.certain(side, nearest) - reach - 2.0 * ground.posing()).max(0.0);
-    let unit = ground.tree(Side::Second).unit();
-    let distance = |center: [f32; 3]| length(minus(center, pivot));
-    let radius = match side {
-        // What of the second body is there.
-        Side::First => {
-            let b = ground.boxed(Side::Second, at[1]);
-            f64::from(distance(b.center) + b.radius) * unit * SPARE
-        }
-        // That, or what of the first one is, as seen from the pivot: it may go as far as the slack
-        // lets it.
-        Side::Second => {
-            let from = Wide3::of(&node.center).minus(&Wide3::all(pivot));
-            let farthest = from.dot(&from).sqrt() + wide(&node.radius);
-            let farthest = greatest(masked(farthest, ended, 0.0));
-            let b = ground.placed(Side::Second, at[0]);
-            // Where it is placed is off by as much as the bounds are.
-            let off = f64::from(ground.reach(Side::Second, 0.0)) * unit;
-            let its = f64::from(distance(b.center) + b.radius) * unit * SPARE + off;
-            (f64::from(farthest) * unit * SPARE).min(its + ground.posing() + slack)
-        }
-    };
-    Tested { ended: ended as u8, near, gaps, slack, radius }
 }
 
 /// How far a cluster of the second body reaches from the pivot at most.
@@ -385,15 +367,4 @@ fn minus([x, y, z]: [f32; 3], [u, v, w]: [f32; 3]) -> [f32; 3] {
 
 fn length([x, y, z]: [f32; 3]) -> f32 {
     (x * x + y * y + z * z).sqrt()
-}
-
-fn push(ground: &Ground, at: [At; 2], side: Side, tested: &Tested, stack: &mut Vec<Place>) {
-    let i = side.index();
-    let index = ground.child(side, at[i]).index();
-    let gaps = tested.gaps.to_array();
-    for lane in lanes_of(tested.near) {
-        let mut next = at;
-        next[i] = At::lane(index, lane);
-        stack.push(Place { at: next, gap: gaps[lane], side });
-    }
 }

@@ -1,11 +1,11 @@
 //! Two search trees at a relative pose.
 
-use cranny_exact::{DMat3, DVec3, RigidMap};
+use cranny_exact::{DMat3, RigidMap};
 use cranny_geometry::ClusterTree;
 use cranny_geometry::clusters::{Child, Cluster, LANES, OrientedBox, ROUNDING, WideNode};
 use wide::f32x8;
 
-use super::lanes::{Wide3, wide};
+use super::lanes::{Wide3, single, wide};
 use crate::observe::ComparedBoxes;
 use crate::pair::{Pair, Side};
 
@@ -39,14 +39,9 @@ impl At {
 
     /// The node and the lane; `None` at the root.
     #[inline(always)]
-    pub(crate) fn place(self) -> Option<[u32; 2]> {
-        let lanes = LANES as u32;
-        (self != Self::ROOT).then_some([self.0 / lanes, self.0 % lanes])
-    }
-
-    #[inline(always)]
-    fn split(self) -> (usize, usize) {
-        (self.0 as usize / LANES, self.0 as usize % LANES)
+    fn place(self) -> Option<[usize; 2]> {
+        let at = self.0 as usize;
+        (self != Self::ROOT).then_some([at / LANES, at % LANES])
     }
 }
 
@@ -121,7 +116,6 @@ impl<'a> Ground<'a> {
             let (own, its) = (trees[i], trees[1 - i]);
             let shift = (maps[i].apply(its.origin()) - own.origin()) / own.unit();
             let ratio = (its.unit() / own.unit()) as f32;
-            let single = |v: DVec3| v.to_array().map(|x| x as f32);
             let DMat3 { x_axis, y_axis, z_axis } = maps[i].linear.transpose();
             let shift = single(shift);
             let reach = 1.0 + ratio + shift.iter().map(|x| x.abs()).sum::<f32>();
@@ -170,19 +164,13 @@ impl<'a> Ground<'a> {
 
     #[inline(always)]
     pub(crate) fn child(&self, side: Side, at: At) -> Child {
-        if at == At::ROOT {
-            return Child::ROOT;
-        }
-        let (node, lane) = at.split();
+        let Some([node, lane]) = at.place() else { return Child::ROOT };
         self.tree(side).nodes()[node].children[lane]
     }
 
     #[inline(always)]
     pub(crate) fn boxed(&self, side: Side, at: At) -> OrientedBox {
-        if at == At::ROOT {
-            return *self.tree(side).root();
-        }
-        let (node, lane) = at.split();
+        let Some([node, lane]) = at.place() else { return *self.tree(side).root() };
         self.tree(side).nodes()[node].boxed(lane)
     }
 
@@ -199,7 +187,8 @@ impl<'a> Ground<'a> {
     pub(crate) fn compared(&self, at: [At; 2], side: Side, lanes: u32) -> ComparedBoxes {
         let body = side.index();
         let node = self.child(side, at[body]).index() as u32;
-        ComparedBoxes { body, node, lanes, other: at[1 - body].place() }
+        let other = at[1 - body].place().map(|place| place.map(|number| number as u32));
+        ComparedBoxes { body, node, lanes, other }
     }
 
     /// The box at a place of the other side, in this side's coordinates.
@@ -214,7 +203,7 @@ impl<'a> Ground<'a> {
     pub(crate) fn between(&self, side: Side, own: &Cluster, its: &Cluster) -> [f32; 3] {
         let i = side.index();
         let from = self.maps[i].apply(its.center) - own.center;
-        (from * self.per_unit[i]).to_array().map(|x| x as f32)
+        single(from * self.per_unit[i])
     }
 
     /// Which of two places is opened next, and how; `None` where both are clusters.

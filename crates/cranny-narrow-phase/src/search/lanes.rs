@@ -1,5 +1,6 @@
 //! Eight numbers or vectors at once.
 
+use cranny_exact::DVec3;
 use cranny_geometry::clusters::{LANES, Lanes, Lanes3};
 use wide::f32x8;
 
@@ -15,6 +16,12 @@ pub(crate) struct Wide3 {
 #[inline(always)]
 pub(crate) fn wide(lanes: &Lanes) -> f32x8 {
     f32x8::from(lanes.0)
+}
+
+/// A vector in single precision.
+#[inline(always)]
+pub(crate) fn single(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x as f32)
 }
 
 /// The bits of the lanes that are not greater than a bound: those too that are no number, since

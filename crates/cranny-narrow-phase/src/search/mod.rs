@@ -29,6 +29,7 @@ pub(crate) use self::closing::Closing;
 pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates};
 pub(crate) use self::ground::Ground;
 pub(crate) use self::kept::{KeptCut, Reach};
+pub(crate) use self::lanes::lanes_of;
 pub use self::meeting::common_point;
 pub(crate) use self::meeting::{
     Lists, Meets, meeting_faces, meeting_pairs, near_clusters, near_in,

@@ -10,7 +10,7 @@ use super::cut::Cut;
 use super::descent::{Order, Visitor, descend};
 use super::faces::Faced;
 use super::ground::Ground;
-use super::lanes::lanes_of;
+use super::lanes::{lanes_of, single};
 use crate::closest::NearestFaces;
 use crate::pair::Side;
 use crate::surface::looked_at;
@@ -88,7 +88,7 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
     fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut impl Tally) -> ControlFlow<()> {
         counters.clusters(pair);
         if let Some(toward) = self.faces.toward() {
-            let gap = self.ground.cluster_gap_along(pair, toward.to_array().map(|x| x as f32));
+            let gap = self.ground.cluster_gap_along(pair, single(toward));
             if gap > self.faces.limit() {
                 return ControlFlow::Continue(());
             }

@@ -9,7 +9,7 @@ use cranny_geometry::{ClusterTree, FaceId};
 use wide::f32x8;
 
 use super::ground::rounding;
-use super::lanes::{Wide3, lanes_of, wide, within};
+use super::lanes::{Wide3, lanes_of, single, wide, within};
 use crate::tally::Tally;
 
 /// A list reaches so many strides from point to point farther than its first point needs, or radii
@@ -245,10 +245,6 @@ impl<'a> Point<'a> {
             *reach = visit(cluster.faces.ids[lane]);
         }
     }
-}
-
-fn single(v: DVec3) -> [f32; 3] {
-    v.to_array().map(|x| x as f32)
 }
 
 /// How far a point lies outside each of eight boxes.
