@@ -10,8 +10,8 @@
 //! Candidates can be made to last: all that may make a contact once anything has come nearer by
 //! `skin` and turned by `turn`.
 
-use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, RidgeLanes};
-use cranny_geometry::{EdgeId, FaceId, VertexId};
+use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, RidgeLanes};
+use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 use wide::f32x8;
 
 use super::ground::{Ground, Placing, rounding};
@@ -151,16 +151,19 @@ struct TurnedFaces {
     ends: [f32x8; 3],
 }
 
+/// Ridges of a block, by vectors and numbers of eight.
 #[derive(Debug, Default)]
-struct TurnedRidges {
-    starts: Wide3,
-    spans: Wide3,
-    squares: f32x8,
-    along: Wide3,
-    left: Wide3,
-    right: Wide3,
-    blur: f32x8,
+struct Ridges<V, N> {
+    starts: V,
+    spans: V,
+    squares: N,
+    along: V,
+    left: V,
+    right: V,
+    blur: N,
 }
+
+type TurnedRidges = Ridges<Wide3, f32x8>;
 
 impl TurnedFaces {
     fn own(faces: &FaceLanes) -> Self {
@@ -181,6 +184,22 @@ impl TurnedFaces {
             bottom: own.bottom * ratio,
             sides: own.sides.each_ref().map(|side| placing.turned_all(side)),
             ends: own.ends.map(|end| end * ratio),
+        }
+    }
+}
+
+impl<V, N> Ridges<V, N> {
+    /// The same in another form.
+    #[inline(always)]
+    fn map<W, M>(&self, vector: impl Fn(&V) -> W, number: impl Fn(&N) -> M) -> Ridges<W, M> {
+        Ridges {
+            starts: vector(&self.starts),
+            spans: vector(&self.spans),
+            squares: number(&self.squares),
+            along: vector(&self.along),
+            left: vector(&self.left),
+            right: vector(&self.right),
+            blur: number(&self.blur),
         }
     }
 }
@@ -264,37 +283,27 @@ pub(crate) fn add_candidates(
     let forth = Wide3::all(offset);
     let back = Wide3::all(offset.map(|x| -x));
     let faces = &turned.faces;
+    let mut add = |kind: Kind, of: [PatchId; 2], ids: [u32; 2], bound: f32| {
+        let patches = patches.one_more(of);
+        found.push(Candidate { patches, ids, bound, reach: far, kind });
+    };
     // The first's vertices before the second's faces.
     let its = TurnedFaces::own(&b.faces);
     let room = Room { axes: b.bounds.axes, half: b.bounds.half };
     for (block, points) in trees[0].corners(a).iter().zip(&turned.corners) {
         let before = Before { lanes: &b.faces, faces: &its, room: &room };
         before.corners(block, &points.plus(&forth), limits, |lane, face, bound| {
-            found.push(Candidate {
-                patches: patches.one_more([block.patches[lane], b.faces.patches[face]]),
-                ids: [block.ids[lane].0, b.faces.ids[face].0],
-                bound,
-                reach: far,
-                kind: Kind::CornerFace,
-            });
+            let of = [block.patches[lane], b.faces.patches[face]];
+            add(Kind::CornerFace, of, [block.ids[lane].0, b.faces.ids[face].0], bound);
         });
     }
     for block in trees[1].corners(b) {
         let before = Before { lanes: &a.faces, faces, room: &turned.room };
-        before.corners(
-            block,
-            &Wide3::of(&block.points).plus(&back),
-            limits,
-            |lane, face, bound| {
-                found.push(Candidate {
-                    patches: patches.one_more([a.faces.patches[face], block.patches[lane]]),
-                    ids: [a.faces.ids[face].0, block.ids[lane].0],
-                    bound,
-                    reach: far,
-                    kind: Kind::FaceCorner,
-                });
-            },
-        );
+        let points = Wide3::of(&block.points).plus(&back);
+        before.corners(block, &points, limits, |lane, face, bound| {
+            let of = [a.faces.patches[face], block.patches[lane]];
+            add(Kind::FaceCorner, of, [a.faces.ids[face].0, block.ids[lane].0], bound);
+        });
     }
     let others = trees[1].ridges(b);
     if others.is_empty() {
@@ -309,18 +318,14 @@ pub(crate) fn add_candidates(
         if near == 0 {
             continue;
         }
-        let own = EdgeArrays::of(ridges, &starts);
+        let mut own = ridges.map(|v| v.to_arrays(), |x| x.to_array());
+        own.starts = starts.to_arrays();
         for lane in lanes_of(near) {
-            let edge = own.edge(lane);
+            let edge = own.map(|v| lane_of(v, lane), |x| f32x8::splat(x[lane]));
             for other in others {
                 edge.before(other, limits, |k, bound| {
-                    found.push(Candidate {
-                        patches: patches.one_more([block.patches[lane], other.patches[k]]),
-                        ids: [block.ids[lane].0, other.ids[k].0],
-                        bound,
-                        reach: far,
-                        kind: Kind::Edges,
-                    });
+                    let of = [block.patches[lane], other.patches[k]];
+                    add(Kind::Edges, of, [block.ids[lane].0, other.ids[k].0], bound);
                 });
             }
         }
@@ -394,58 +399,9 @@ impl Before<'_> {
     }
 }
 
-/// Ridges of a block, as arrays.
-struct EdgeArrays {
-    starts: [[f32; LANES]; 3],
-    spans: [[f32; LANES]; 3],
-    along: [[f32; LANES]; 3],
-    left: [[f32; LANES]; 3],
-    right: [[f32; LANES]; 3],
-    squares: [f32; LANES],
-    blur: [f32; LANES],
-}
-
-impl EdgeArrays {
-    fn of(ridges: &TurnedRidges, starts: &Wide3) -> Self {
-        Self {
-            starts: starts.to_arrays(),
-            spans: ridges.spans.to_arrays(),
-            along: ridges.along.to_arrays(),
-            left: ridges.left.to_arrays(),
-            right: ridges.right.to_arrays(),
-            squares: ridges.squares.to_array(),
-            blur: ridges.blur.to_array(),
-        }
-    }
-
-    #[inline(always)]
-    fn edge(&self, lane: usize) -> OneEdge {
-        OneEdge {
-            start: lane_of(&self.starts, lane),
-            span: lane_of(&self.spans, lane),
-            along: lane_of(&self.along, lane),
-            left: lane_of(&self.left, lane),
-            right: lane_of(&self.right, lane),
-            square: f32x8::splat(self.squares[lane]),
-            blur: f32x8::splat(self.blur[lane]),
-        }
-    }
-}
-
-/// One ridge, eight times.
-struct OneEdge {
-    start: Wide3,
-    span: Wide3,
-    along: Wide3,
-    left: Wide3,
-    right: Wide3,
-    square: f32x8,
-    blur: f32x8,
-}
-
-impl OneEdge {
-    /// Calls `found` with the lane of each ridge that it may touch, and a lower bound of their
-    /// distance.
+impl TurnedRidges {
+    /// Of one ridge, eight times: calls `found` with the lane of each ridge that it may touch, and
+    /// a lower bound of their distance.
     #[inline(always)]
     fn before(&self, others: &RidgeLanes, limits: Limits, mut found: impl FnMut(usize, f32)) {
         let Limits { reach, error, turn, posing, .. } = limits;
@@ -469,9 +425,9 @@ impl OneEdge {
         // The nearest points of the two segments.
         let (zero, one) = (f32x8::splat(0.0), f32x8::splat(1.0));
         let span = Wide3::of(&others.spans);
-        let between = self.start.minus(&Wide3::of(&others.starts));
-        let (a, e) = (self.square, wide(&others.squares));
-        let (b, c, f) = (self.span.dot(&span), self.span.dot(&between), span.dot(&between));
+        let between = self.starts.minus(&Wide3::of(&others.starts));
+        let (a, e) = (self.squares, wide(&others.squares));
+        let (b, c, f) = (self.spans.dot(&span), self.spans.dot(&between), span.dot(&between));
         let whole = a * e;
         let raw = whole - b * b;
         let is_now = limits.turn == 0.0;
@@ -497,7 +453,7 @@ impl OneEdge {
         let s = s.fast_max(zero).fast_min(one);
         let t = ((b * s + f) / e).fast_max(zero).fast_min(one);
         let s = ((b * t - c) / a).fast_max(zero).fast_min(one);
-        let apart = between.plus(&self.span.times(s)).minus(&span.times(t));
+        let apart = between.plus(&self.spans.times(s)).minus(&span.times(t));
         let apart = apart.dot(&apart).sqrt();
         // Where they are nearly parallel, the parameters lose digits.
         let fuzz = f32x8::splat(error) * bend.sqrt();
