@@ -10,6 +10,7 @@ use crate::answer::{Answer, Contact, Counters, Region, Surface};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
+use crate::found::Found;
 use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
@@ -19,7 +20,7 @@ use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
-use crate::regions::{Found, is_closed, meeting_regions};
+use crate::regions::meeting_regions;
 use crate::surface::{FacePair, strongest};
 use crate::tally::{Observed, Tally};
 
@@ -293,7 +294,7 @@ fn contacts(
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
         measured = Some(regions);
     }
-    if solid && is_closed(pair) && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
+    if solid && pair.is_closed() && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
         out.penetrations = match &measured {
             Some(regions) => regions.iter().filter_map(Penetration::of).collect(),
             None => overlaps(pair, posed, &near.meeting, counters),

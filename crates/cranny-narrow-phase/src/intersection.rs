@@ -72,7 +72,7 @@ pub(crate) struct Intersection {
 pub(crate) fn intersect(pair: &Pair, pairs: &[FacePair]) -> Intersection {
     let mut out =
         in_general_position(pair, pairs).unwrap_or_else(|| feature_by_feature(pair, pairs));
-    if pair.model(Side::First).is_closed() && pair.model(Side::Second).is_closed() {
+    if pair.is_closed() {
         let mut balance = vec![0i32; out.nodes.len()];
         for s in &out.segments {
             balance[s.nodes[0]] += 1;

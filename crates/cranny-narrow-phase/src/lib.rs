@@ -38,9 +38,10 @@
 //! along them, `outline` measures what curves enclose, `way_out` chooses the direction along which
 //! a piece parts (vertices by what is `nearest_on` a surface) and `depth` measures it there (seen
 //! as `footprints`, within its `borders`). `special_position` reads flush faces from beside;
-//! `touch` and `near` describe contact without overlap, `regions` puts it together (`penetration`
-//! the depths alone), `reduce` keeps what matters and `tracks` names regions after those of the
-//! last query; `smooth` gives contacts the normals of curved surfaces.
+//! `touch` and `near` describe contact without overlap, `regions` puts it together (each is `found`
+//! before it is the caller's; `penetration` the depths alone), `reduce` keeps what matters and
+//! `tracks` names regions after those of the last query; `smooth` gives contacts the normals of
+//! curved surfaces.
 //!
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
 //! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses) and are
@@ -86,6 +87,7 @@ mod evaluate;
 mod fields;
 mod footprints;
 mod foremost;
+mod found;
 mod heat;
 mod hulls;
 mod inside;

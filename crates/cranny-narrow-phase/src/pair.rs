@@ -324,6 +324,11 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// Whether both bodies are closed.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.models.iter().all(|model| model.is_closed())
+    }
+
     /// Into world coordinates.
     pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
         self.world_from_first.apply(p)

@@ -1,16 +1,17 @@
 //! Contact regions of surfaces that intersect: normal, depth, area, points and curves.
 
 use cranny_exact::DVec3;
-use cranny_geometry::{DisjointSets, FaceId};
+use cranny_geometry::DisjointSets;
 
-use crate::answer::{Contact, Curve, Region, RegionId};
+use crate::answer::{Contact, Curve, Region};
 use crate::contacts::nearer;
 use crate::depth::MeasuredRegion;
+use crate::found::Found;
 use crate::intersection::{Chains, Intersection, Node, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
-use crate::special_position::{in_general_position, settled};
+use crate::special_position::in_general_position;
 use crate::surface::FacePair;
 use crate::tally::Tally;
 use crate::touch::touch_regions;
@@ -33,7 +34,7 @@ pub(crate) fn meeting_regions(
         return (touch_regions(pair, pairs), rounding);
     }
     let here = intersect(pair, pairs);
-    if !is_closed(pair) {
+    if !pair.is_closed() {
         return (open_regions(pair, &here, pairs), rounding);
     }
     let depth = |found: &Found| found.depth.unwrap_or(0.0);
@@ -47,52 +48,6 @@ pub(crate) fn meeting_regions(
         found.iter_mut().for_each(|found| found.settle(pair));
     }
     (found.into_iter().map(|found| found.finish(pair)).collect(), error)
-}
-
-pub(crate) fn is_closed(pair: &Pair) -> bool {
-    Side::BOTH.iter().all(|&s| pair.model(s).is_closed())
-}
-
-/// A region in the pair's frame and order, but for its curves.
-pub(crate) struct Found {
-    pub(crate) normal: DVec3,
-    pub(crate) depth: Option<f64>,
-    pub(crate) area: Option<f64>,
-    /// The deepest first.
-    pub(crate) points: Vec<Contact>,
-    /// In world coordinates.
-    pub(crate) curves: Vec<Curve>,
-    pub(crate) faces: Vec<[FaceId; 2]>,
-}
-
-impl Found {
-    /// Measures at the pair's own position what was read beside it.
-    fn settle(&mut self, pair: &Pair) {
-        let Self { points, .. } = self;
-        points.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
-        let deepest = (0..points.len()).min_by(|&i, &j| nearer(&points[i], &points[j]));
-        points.swap(0, deepest.unwrap_or(0));
-        self.depth = self.depth.map(|_| -self.points[0].separation);
-    }
-
-    /// Into world coordinates and the caller's order.
-    pub(crate) fn finish(self, pair: &Pair) -> Region {
-        let Self { normal, depth, area, points, curves, faces } = self;
-        let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
-        let triangle_pairs = faces.len() as u32;
-        Region {
-            id: RegionId::default(),
-            from: Vec::new(),
-            faces: pair.ordered_faces(faces),
-            deepest: points[0],
-            normal: pair.world_normal(normal),
-            depth,
-            area,
-            points,
-            curves,
-            triangle_pairs,
-        }
-    }
 }
 
 fn curves(

@@ -6,10 +6,10 @@ use cranny_exact::{DVec3, orient3d};
 use cranny_geometry::{DisjointSets, VertexId};
 
 use crate::answer::{Contact, Feature, Region};
+use crate::found::Found;
 use crate::intersection::{Intersection, Node, intersect};
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
-use crate::regions::{Found, is_closed};
 use crate::surface::FacePair;
 
 /// Groups touching pairs into regions, in world coordinates and the caller's order: pairs whose
@@ -59,7 +59,7 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> Found {
         let (point, features) = pairs[0].shared_point(pair);
         contacts.push(Contact::touching(features, point, normal));
     }
-    let figure = |figure| is_closed(pair).then_some(figure);
+    let figure = |figure| pair.is_closed().then_some(figure);
     let (depth, area, points) = (figure(0.0), figure(area), reduce(contacts));
     let faces = pairs.iter().map(|p| [p.first, p.second]).collect();
     Found { normal, depth, area, points, curves: Vec::new(), faces }

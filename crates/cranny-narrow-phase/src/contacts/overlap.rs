@@ -73,7 +73,7 @@ impl<'p, 'm> Overlaps<'p, 'm> {
                 vertices_inside(&mut found, side, meeting, &mut surfaces, counters);
             }
         }
-        if Side::BOTH.iter().all(|&side| pair.model(side).is_closed()) {
+        if pair.is_closed() {
             edges_crossing(&mut found, meeting, &mut surfaces, counters);
         }
         found

@@ -21,7 +21,6 @@ use crate::outline::Outline;
 use crate::pair::{Pair, Side};
 use crate::pieces::{Cuts, Inside, RegionPieces};
 use crate::reduce::reduce;
-use crate::regions::is_closed;
 use crate::surface::FacePair;
 use crate::way_out::{mostly_grazes, parts_within};
 
@@ -44,7 +43,7 @@ pub(super) fn contacts_of_walls(
     inside: &[Inside; 2],
 ) -> Vec<Contact> {
     let mut found = Vec::new();
-    if !is_closed(pair) || !meeting.iter().any(|faces| is_pierced_sharply(pair, faces)) {
+    if !pair.is_closed() || !meeting.iter().any(|faces| is_pierced_sharply(pair, faces)) {
         return found;
     }
     let intersection = intersect(pair, meeting);
