@@ -23,7 +23,7 @@ pub(crate) struct Found {
 impl Found {
     /// Measures at the pair's own position what was read beside it.
     pub(crate) fn settle(&mut self, pair: &Pair) {
-        let Self { points, .. } = self;
+        let points = &mut self.points;
         points.iter_mut().for_each(|contact| *contact = settled(pair, *contact));
         let deepest = (0..points.len()).min_by(|&i, &j| nearer(&points[i], &points[j]));
         points.swap(0, deepest.unwrap_or(0));

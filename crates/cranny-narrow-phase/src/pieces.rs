@@ -3,7 +3,7 @@
 //!
 //! Only for generic intersections of closed surfaces. Starting at the curves, edges show which of
 //! their ends are inside; from there vertices spread along edges that the other surface does not
-//! cut. The cost follows the pieces, not the meshes.
+//! cut, unless the caller has located them. The cost follows the pieces, not the meshes.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, EdgeId, FaceId, HalfEdgeId, VertexId};
@@ -83,7 +83,8 @@ impl<'a, 'm> Cuts<'a, 'm> {
     }
 
     /// The regions by segments and vertices alone, without edges and faces. `inside` holds all
-    /// vertices inside that hang together with a cut edge.
+    /// vertices inside that hang together with a cut edge; an end of a part that it lacks (of a
+    /// component turned inside out) joins nothing.
     pub(crate) fn regions(&self, inside: &[Inside; 2]) -> Vec<RegionPieces> {
         let segments = &self.intersection.segments;
         // What is of one region has a number: nodes first, then sets, the first body's before the
@@ -143,12 +144,13 @@ impl<'a, 'm> Cuts<'a, 'm> {
                 next += 1;
                 for &face in topology.faces_at(v) {
                     // Closed: along every edge at the vertex some half-edge leaves it.
-                    let (i, w) = next_corner(mesh.corners(face), v);
-                    if reached.get(u64::from(w.0)).is_none()
-                        && !cut.holds(topology.edge_of(HalfEdgeId::of(face, i)))
-                    {
-                        reached.number(u64::from(w.0));
-                        inside.push((w, set));
+                    for (i, w) in leaving(mesh.corners(face), v) {
+                        if reached.get(u64::from(w.0)).is_none()
+                            && !cut.holds(topology.edge_of(HalfEdgeId::of(face, i)))
+                        {
+                            reached.number(u64::from(w.0));
+                            inside.push((w, set));
+                        }
                     }
                 }
             }
@@ -204,26 +206,30 @@ fn add_uncut(
             if named.number(u64::from(face.0)).1 {
                 faces.push(face);
             }
-            let (i, w) = next_corner(mesh.corners(face), v);
-            let half_edge = HalfEdgeId::of(face, i);
-            let edge = topology.edge_of(half_edge);
-            let leaves = |h: &HalfEdgeId| mesh.corners(h.face())[h.corner()] == v;
-            // Each edge once: from its lesser vertex, along the first half-edge that leaves it.
-            if v <= w
-                && !cut.holds(edge)
-                && topology.half_edges(edge).iter().copied().find(leaves) == Some(half_edge)
-            {
-                edges.push((edge, [v, w].map(|v| pair.position(side, v))));
+            for (i, w) in leaving(mesh.corners(face), v) {
+                let half_edge = HalfEdgeId::of(face, i);
+                let edge = topology.edge_of(half_edge);
+                let leaves = |h: &HalfEdgeId| mesh.corners(h.face())[h.corner()] == v;
+                // Each edge once: from its lesser vertex, along the first half-edge that leaves it.
+                if v <= w
+                    && !cut.holds(edge)
+                    && topology.half_edges(edge).iter().copied().find(leaves) == Some(half_edge)
+                {
+                    edges.push((edge, [v, w].map(|v| pair.position(side, v))));
+                }
             }
         }
     }
 }
 
-/// The next corner of a face, and the number of the side that leads there.
+/// The sides of a face that leave a vertex, by number, and where they lead. (A face that has
+/// collapsed may have two.)
 #[inline]
-pub(crate) fn next_corner(corners: [VertexId; 3], vertex: VertexId) -> (usize, VertexId) {
-    let at = corners.iter().position(|&corner| corner == vertex).unwrap_or(0);
-    (at, corners[(at + 1) % 3])
+pub(crate) fn leaving(
+    corners: [VertexId; 3],
+    vertex: VertexId,
+) -> impl Iterator<Item = (usize, VertexId)> {
+    (0..3).filter(move |&i| corners[i] == vertex).map(move |i| (i, corners[(i + 1) % 3]))
 }
 
 /// The parts inside of a body's edges that pass through the other surface.
@@ -260,4 +266,147 @@ fn parts_inside(
         }
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::Counters;
+    use crate::intersection::intersect;
+    use crate::query::Placed;
+    use crate::search::meeting_pairs;
+    use cranny_exact::{DQuat, Pose};
+    use cranny_geometry::{BuildOptions, Mesh, Model};
+    use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, Shape};
+    use cranny_testkit::Rng;
+    use std::collections::BTreeSet;
+
+    fn model(mesh: Mesh) -> Model {
+        Model::build(mesh, &BuildOptions::default()).unwrap().0
+    }
+
+    fn placed<'m>(models: [&'m Model; 2], rng: &mut Rng) -> Pair<'m> {
+        let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+        let translation = 0.9 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        Pair::of_accepted(
+            Placed { model: models[0], pose: Pose::IDENTITY },
+            Placed { model: models[1], pose: Pose { rotation, translation } },
+        )
+    }
+
+    /// The edges and faces of all regions of a body, with how many times edges are listed that are
+    /// not cut.
+    fn listed(pair: &Pair, side: Side, regions: &[RegionPieces]) -> [BTreeSet<u32>; 2] {
+        let cut = |edge: EdgeId| {
+            let [p, q] = pair.segment(side, edge);
+            move |ends: [DVec3; 2]| ends != [p, q] && ends != [q, p]
+        };
+        let (mut edges, mut faces) = (BTreeSet::new(), BTreeSet::new());
+        for piece in regions.iter().map(|region| &region.pieces[side.index()]) {
+            for &(edge, ends) in &piece.edges {
+                let is_new = edges.insert(edge.0);
+                assert!(is_new || cut(edge)(ends), "{edge:?} is listed twice");
+            }
+            faces.extend(piece.faces.iter().map(|face| face.0));
+        }
+        [edges, faces]
+    }
+
+    /// Edges and faces with an end or a corner inside, and those that pierce or are pierced.
+    fn expected(
+        pair: &Pair,
+        side: Side,
+        (intersection, regions): (&Intersection, &[RegionPieces]),
+    ) -> [BTreeSet<u32>; 2] {
+        let pieces = regions.iter().map(|region| &region.pieces[side.index()]);
+        let inside: BTreeSet<VertexId> = pieces.flat_map(|p| p.vertices.iter().copied()).collect();
+        let has = |v: VertexId| inside.contains(&v);
+        let topology = pair.topology(side);
+        let edges = topology.edges().iter().enumerate();
+        let mut edges: BTreeSet<u32> =
+            edges.filter(|(_, e)| has(e.from) || has(e.to)).map(|(i, _)| i as u32).collect();
+        let faces = pair.mesh(side).faces().iter().enumerate();
+        let mut faces: BTreeSet<u32> = faces
+            .filter(|(_, corners)| corners.iter().any(|&v| has(VertexId(v))))
+            .map(|(i, _)| i as u32)
+            .collect();
+        faces.extend(intersection.segments.iter().map(|s| s.faces[side.index()].0));
+        for node in &intersection.nodes {
+            match (side, node.features) {
+                (Side::First, (Feature::Edge(e), _)) | (Side::Second, (_, Feature::Edge(e))) => {
+                    edges.insert(e.0);
+                }
+                _ => {}
+            }
+        }
+        [edges, faces]
+    }
+
+    #[test]
+    fn pieces_have_all_edges_and_faces_of_what_is_inside_once() {
+        let shapes: [Shape; 4] = [
+            Cuboid::default().into(),
+            Cup { segments: 9, ..Cup::default() }.into(),
+            Comb { teeth: 4, ..Comb::default() }.into(),
+            GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() }.into(),
+        ];
+        let bodies = shapes.map(|s| model(s.build().unwrap()));
+        let mut rng = Rng::new(23);
+        let (mut edges, mut regions) = (0, 0);
+        for round in 0..200 {
+            let pair = placed([&bodies[rng.below(4)], &bodies[rng.below(4)]], &mut rng);
+            let intersection = intersect(&pair, &meeting_pairs(&pair, &mut Counters::default()));
+            assert!(intersection.generic, "round {round}");
+            let found = cut(&pair, &intersection);
+            for side in Side::BOTH {
+                let all = expected(&pair, side, (&intersection, &found));
+                assert_eq!(listed(&pair, side, &found), all, "round {round}");
+                edges += all[0].len();
+            }
+            regions += found.len();
+        }
+        assert!(edges > 5_000 && regions > 100, "{edges} {regions}");
+    }
+
+    /// A face that has collapsed to an edge, before all others, takes no edge from a piece.
+    #[test]
+    fn collapsed_faces_hide_no_edge() {
+        let mesh = Shape::from(Comb { teeth: 4, ..Comb::default() }).build().unwrap();
+        let whole = model(mesh.clone());
+        let ball = GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() };
+        let other = model(ball.build().unwrap());
+        let mut compared = 0;
+        for (round, &[v, w, _]) in mesh.faces().iter().enumerate() {
+            for collapsed in [[v, v, w], [v, w, v], [w, v, v]] {
+                let faces = [collapsed].into_iter().chain(mesh.faces().iter().copied()).collect();
+                let with = model(Mesh::new(mesh.vertices().to_vec(), faces).unwrap());
+                assert!(with.is_closed());
+                let ends = |body: &Model| {
+                    let pair = placed([body, &other], &mut Rng::new(round as u64));
+                    let pairs = meeting_pairs(&pair, &mut Counters::default());
+                    let intersection = intersect(&pair, &pairs);
+                    if !intersection.generic {
+                        // The collapsed face meets the other body: its position is special.
+                        return None;
+                    }
+                    let side = if pair.is_swapped() { Side::Second } else { Side::First };
+                    let regions = cut(&pair, &intersection);
+                    let pieces = regions.iter().map(|region| &region.pieces[side.index()]);
+                    // Building gives vertices other numbers.
+                    let place = |v: VertexId| body.mesh().position(v).to_array().map(f64::to_bits);
+                    let edges: BTreeSet<_> = pieces
+                        .flat_map(|piece| &piece.edges)
+                        .map(|(edge, _)| pair.topology(side).edges()[edge.index()])
+                        .filter(|edge| edge.from != edge.to)
+                        .map(|edge| BTreeSet::from([place(edge.from), place(edge.to)]))
+                        .collect();
+                    Some(edges)
+                };
+                let Some(edges) = ends(&with) else { continue };
+                compared += edges.len();
+                assert_eq!(Some(edges), ends(&whole), "{collapsed:?}");
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
 }

@@ -59,8 +59,8 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> Found {
         let (point, features) = pairs[0].shared_point(pair);
         contacts.push(Contact::touching(features, point, normal));
     }
-    let figure = |figure| pair.is_closed().then_some(figure);
-    let (depth, area, points) = (figure(0.0), figure(area), reduce(contacts));
+    let of_closed = |figure| pair.is_closed().then_some(figure);
+    let (depth, area, points) = (of_closed(0.0), of_closed(area), reduce(contacts));
     let faces = pairs.iter().map(|p| [p.first, p.second]).collect();
     Found { normal, depth, area, points, curves: Vec::new(), faces }
 }

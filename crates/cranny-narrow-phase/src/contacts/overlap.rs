@@ -49,7 +49,7 @@ pub(super) struct Overlaps<'p, 'm> {
     pair: &'p Pair<'m>,
     coarse: Coarse,
     groups: BTreeMap<[PatchId; 2], Vec<Contact>>,
-    /// Of each body, in the other.
+    /// The vertices of each body that lie inside the other.
     pub(super) inside: [Inside; 2],
 }
 

@@ -12,7 +12,7 @@
 //! dug in so deep.
 
 use cranny_exact::DVec3;
-use cranny_geometry::FaceId;
+use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
 use crate::depth::{MeasuredRegion, Way, range};
@@ -55,8 +55,7 @@ pub(super) fn contacts_of_walls(
     // The direction of a region that may have dug in, and how deep what has not is at most.
     let may_have_dug_in = |pieces: &RegionPieces| {
         let normal = Outline::of(&intersection, &pieces.segments).normal()?;
-        // A segment for each pair of faces.
-        if !pieces.segments.iter().any(|&s| is_pierced_sharply(pair, &meeting[s])) {
+        if !has_sharp_node(pair, &intersection, pieces) {
             return None;
         }
         let of_region = known.iter().filter(|contact| is_of(contact, pieces));
@@ -98,6 +97,19 @@ fn is_pierced_sharply(pair: &Pair, faces: &FacePair) -> bool {
             let owner = usize::from(end.owner);
             is_sharp(pair, Side::BOTH[owner], of[owner], usize::from(end.edge))
         })
+    })
+}
+
+fn has_sharp_node(pair: &Pair, intersection: &Intersection, pieces: &RegionPieces) -> bool {
+    let mut nodes = pieces.segments.iter().map(|&s| intersection.segments[s].nodes[0]);
+    let is_sharp = |side: Side, edge: EdgeId| {
+        let along = pair.topology(side).half_edges(edge).first();
+        along.is_some_and(|h| is_sharp(pair, side, h.face(), h.corner()))
+    };
+    nodes.any(|node| match intersection.nodes[node].features {
+        (Feature::Edge(e), _) => is_sharp(Side::First, e),
+        (_, Feature::Edge(e)) => is_sharp(Side::Second, e),
+        _ => false,
     })
 }
 

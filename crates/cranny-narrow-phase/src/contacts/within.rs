@@ -10,7 +10,7 @@ use cranny_geometry::{FaceId, VertexId};
 use crate::inside::{Location, locate};
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
-use crate::pieces::{Inside, next_corner};
+use crate::pieces::{Inside, leaving};
 use crate::surface::FacePair;
 use crate::tally::Tally;
 
@@ -27,7 +27,7 @@ pub(super) fn vertices_within(
     counters: &mut impl Tally,
 ) -> Inside {
     let mesh = pair.mesh(side);
-    let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
+    let own = |p: &FacePair| p.face(side);
     let key = |v: VertexId| u64::from(v.0);
     let mut faces: Vec<FaceId> = meeting.iter().map(own).collect();
     faces.sort_unstable();
@@ -53,13 +53,14 @@ pub(super) fn vertices_within(
             for &face in pair.topology(side).faces_at(v) {
                 // That way round is enough: a face that does not meet the other surface leads to
                 // all its corners, and those of one that does are in the list that begins it all.
-                let (i, w) = next_corner(mesh.corners(face), v);
-                // Outside, no farther than the faces that meet.
-                let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
-                let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
-                if known.get(key(w)).is_none() && is_wanted() && is_whole() {
-                    known.number(key(w));
-                    sure.push(w);
+                for (i, w) in leaving(mesh.corners(face), v) {
+                    // Outside, no farther than the faces that meet.
+                    let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
+                    let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
+                    if known.get(key(w)).is_none() && is_wanted() && is_whole() {
+                        known.number(key(w));
+                        sure.push(w);
+                    }
                 }
             }
         }
