@@ -202,9 +202,11 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   distance        between the surfaces, 0 where they meet; witness_a, witness_b: the nearest points;
                   where surfaces cross, one shared point
   triangle_pairs  triangles that meet
-  contacts        point_a, point_b, normal (A to B), separation
+  contacts        point_a, point_b, normal (A to B), separation: for a solver; with --demand regions the
+                  points of the regions, which are others
   regions         point, normal (A to B), depth, area, separation, triangle_pairs; depth is the least
-                  way out along this normal, not the least of all directions
+                  way out of this region along this normal, not the least of all directions: moved so,
+                  concave bodies may meet elsewhere
   tests           elementary tests made; micros: time of the query alone. Neither counts the search
                   for the shared point where surfaces cross: the query does not need it
   closed_a        whether the mesh is closed; if not, it is queried as a surface: closed_b likewise
