@@ -269,7 +269,7 @@ fn parts_inside(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::answer::Counters;
     use crate::intersection::intersect;
@@ -285,7 +285,18 @@ mod tests {
         Model::build(mesh, &BuildOptions::default()).unwrap().0
     }
 
-    fn placed<'m>(models: [&'m Model; 2], rng: &mut Rng) -> Pair<'m> {
+    pub(crate) fn bodies() -> [Model; 4] {
+        let shapes: [Shape; 4] = [
+            Cuboid::default().into(),
+            Cup { segments: 9, ..Cup::default() }.into(),
+            Comb { teeth: 4, ..Comb::default() }.into(),
+            GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() }.into(),
+        ];
+        shapes.map(|shape| model(shape.build().unwrap()))
+    }
+
+    /// At the origin and turned anyhow, near it.
+    pub(crate) fn placed<'m>(models: [&'m Model; 2], rng: &mut Rng) -> Pair<'m> {
         let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
         let translation = 0.9 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
         Pair::of_accepted(
@@ -344,13 +355,7 @@ mod tests {
 
     #[test]
     fn pieces_have_all_edges_and_faces_of_what_is_inside_once() {
-        let shapes: [Shape; 4] = [
-            Cuboid::default().into(),
-            Cup { segments: 9, ..Cup::default() }.into(),
-            Comb { teeth: 4, ..Comb::default() }.into(),
-            GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() }.into(),
-        ];
-        let bodies = shapes.map(|s| model(s.build().unwrap()));
+        let bodies = bodies();
         let mut rng = Rng::new(23);
         let (mut edges, mut regions) = (0, 0);
         for round in 0..200 {

@@ -106,12 +106,13 @@ mod tests {
     use super::*;
     use crate::answer::Counters;
     use crate::intersection::{Chains, intersect};
+    use crate::pieces::tests::{bodies, placed};
     use crate::pieces::{Cuts, Piece, RegionPieces, cut};
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, DVec3, Pose};
     use cranny_geometry::{BuildOptions, Mesh, Model};
-    use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, Shape, Torus};
+    use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
     use cranny_testkit::Rng;
 
     fn model(mesh: Mesh) -> Model {
@@ -191,23 +192,11 @@ mod tests {
     /// regions.
     #[test]
     fn vertices_within_make_the_regions_that_curves_cut_out() {
-        let shapes: [Shape; 4] = [
-            Cuboid::default().into(),
-            Cup { segments: 9, ..Cup::default() }.into(),
-            Comb { teeth: 4, ..Comb::default() }.into(),
-            GolfBall { dimples: 20, triangles: 800, ..GolfBall::default() }.into(),
-        ];
-        let bodies = shapes.map(|s| model(s.build().unwrap()));
+        let bodies = bodies();
         let mut rng = Rng::new(22);
         let (mut regions, mut of_many_curves, mut without_vertices) = (0, 0, 0);
         for round in 0..300 {
-            let [a, b] = [&bodies[rng.below(4)], &bodies[rng.below(4)]];
-            let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
-            let translation = 0.9 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
-            let pair = Pair::of_accepted(
-                Placed { model: a, pose: Pose::IDENTITY },
-                Placed { model: b, pose: Pose { rotation, translation } },
-            );
+            let pair = placed([&bodies[rng.below(4)], &bodies[rng.below(4)]], &mut rng);
             let meeting = meeting_pairs(&pair, &mut Counters::default());
             let intersection = intersect(&pair, &meeting);
             assert!(intersection.generic, "round {round}");
