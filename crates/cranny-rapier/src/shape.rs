@@ -5,6 +5,7 @@ use std::sync::Arc;
 use cranny_geometry::{CreaseAngleError, Model, SmoothNormals};
 use cranny_narrow_phase::Normals;
 use cranny_primitives::PrimitiveError;
+use cranny_primitives::deep::thickness;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -57,6 +58,8 @@ pub enum ShapeError {
 pub struct MeshShape {
     model: Model,
     tag: u32,
+    /// The model's, which takes a pass over all its faces to compute.
+    thickness: f64,
     mesh: TriMesh,
     smooth: Option<Arc<SmoothNormals>>,
     walkable: bool,
@@ -77,6 +80,7 @@ impl MeshShape {
         Ok(Self {
             model: model.clone(),
             tag,
+            thickness: thickness(model),
             mesh: TriMesh::new(vertices, faces)?,
             smooth: None,
             walkable: false,
@@ -141,6 +145,11 @@ impl MeshShape {
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The model's [thickness](thickness()).
+    pub(crate) fn thickness(&self) -> f64 {
+        self.thickness
     }
 
     /// The normals that its contacts get, if not those of its facets.

@@ -27,18 +27,17 @@ impl Core {
     /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has
     /// no area.
     pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
-        Some(Self::new(rounded_polyhedron(shape)?))
+        let rounded = rounded_polyhedron(shape)?;
+        Some(Self { thickness: thickness(&rounded.model), rounded, smooth: None })
     }
 
     /// Of one of our shapes.
     pub(crate) fn of_ours(shape: &MeshShape) -> Self {
-        let smooth = shape.smooth_normals().cloned();
-        Self { smooth, ..Self::new(Rounded { model: shape.model().clone(), radius: 0.0 }) }
-    }
-
-    fn new(rounded: Rounded) -> Self {
-        let thickness = thickness(&rounded.model);
-        Self { rounded, thickness, smooth: None }
+        Self {
+            rounded: Rounded { model: shape.model().clone(), radius: 0.0 },
+            thickness: shape.thickness(),
+            smooth: shape.smooth_normals().cloned(),
+        }
     }
 
     pub(crate) fn model(&self) -> &Model {
