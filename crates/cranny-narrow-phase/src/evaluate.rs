@@ -15,7 +15,7 @@ use crate::hulls::Parting;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
 use crate::observe::SearchObserver;
-use crate::pair::{Pair, PosedVertices, accepted};
+use crate::pair::{Pair, accepted};
 use crate::penetration::{Penetration, overlaps};
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
@@ -140,8 +140,7 @@ fn query_counted<T: Tally>(
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     query.check()?;
-    let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
-        memory;
+    let PairMemory { parting, contacts: kept, coherent, pockets, smooth, tracks, .. } = memory;
     let pair = &Pair::of_accepted(a, b);
     let counters = &mut tally(pair);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
@@ -150,7 +149,7 @@ fn query_counted<T: Tally>(
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
             let wanted = wanted.with_penetrations_from(query.penetrations_from);
-            let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept), counters);
+            let mut found = contacts(pair, &wanted, parting, (coherent, kept), counters);
             // What regions say where no vertex does leads out of a whole overlap, and is no
             // surface's.
             if let Normals::Smooth { crease_angle } = normals
@@ -160,7 +159,7 @@ fn query_counted<T: Tally>(
             }
             found
         }
-        demand => answer(pair, posed, &demand, parting, (coherent, pockets, kept), counters),
+        demand => answer(pair, &demand, parting, (coherent, pockets, kept), counters),
     };
     if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
         tracks.follow([a, b], &mut found.regions);
@@ -170,7 +169,6 @@ fn query_counted<T: Tally>(
 
 fn answer(
     pair: &Pair,
-    posed: &mut PosedVertices,
     demand: &Demand,
     parting: &mut Parting,
     (coherent, mut pockets, kept): (&mut Coherent, Option<&mut PocketMemory>, &mut ContactMemory),
@@ -221,7 +219,7 @@ fn answer(
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
-        let (regions, depth_error) = meeting_regions(pair, posed, &pairs, out.solid, counters);
+        let (regions, depth_error) = meeting_regions(pair, &pairs, out.solid, counters);
         out.regions = regions;
         if gap > margin {
             kept.let_go();
@@ -261,7 +259,6 @@ fn enough(demand: &Demand) -> f64 {
 /// Contacts for a solver, and the verdict that comes with them.
 fn contacts(
     pair: &Pair,
-    posed: &mut PosedVertices,
     wanted: &Wanted,
     parting: &mut Parting,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
@@ -288,7 +285,7 @@ fn contacts(
     if solid && (near.left_to_regions || sees_no_overlap()) {
         // Small bodies; faces laid into each other, open surfaces: no vertex is inside, no edges
         // cross.
-        let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, counters);
+        let (regions, _) = meeting_regions(pair, &near.meeting, solid, counters);
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
@@ -297,7 +294,7 @@ fn contacts(
     if solid && pair.is_closed() && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
         out.penetrations = match &measured {
             Some(regions) => regions.iter().filter_map(Penetration::of).collect(),
-            None => overlaps(pair, posed, &near.meeting, counters),
+            None => overlaps(pair, &near.meeting, counters),
         };
     }
     if !near.left_to_regions {

@@ -3,7 +3,6 @@
 use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;
 use crate::hulls::Parting;
-use crate::pair::PosedVertices;
 use crate::pockets::PocketMemory;
 use crate::smooth::SmoothMemory;
 use crate::tracks::RegionTracks;
@@ -20,7 +19,6 @@ use crate::tracks::RegionTracks;
 /// concavities of both models. Models are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {
-    pub(crate) posed: PosedVertices,
     pub(crate) contacts: ContactMemory,
     pub(crate) coherent: Coherent,
     pub(crate) parting: Parting,
@@ -34,7 +32,7 @@ impl PairMemory {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let kept = self.contacts.bytes() + self.coherent.bytes() + self.pockets.bytes();
-        self.posed.bytes() + kept + self.smooth.bytes() + self.tracks.bytes()
+        kept + self.smooth.bytes() + self.tracks.bytes()
     }
 
     /// Forgets everything.

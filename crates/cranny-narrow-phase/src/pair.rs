@@ -4,7 +4,7 @@
 //! are posed into the first one's frame by [`RigidMap::apply`], when first needed, and rounded. All
 //! decisions read those rounded positions, so exchanging A and B cannot change an answer.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topology, VertexId};
@@ -12,6 +12,7 @@ use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topolog
 use crate::answer::{Contact, Containment, Feature, Witness};
 use crate::approach::Approach;
 use crate::evaluate::QueryError;
+use crate::numbering::Numbering;
 use crate::query::Placed;
 
 /// One of the two bodies of a pair in canonical order.
@@ -66,27 +67,19 @@ impl Side {
     }
 }
 
-/// Vertices of a second body that has grown or shrunk, whose places cost more than posing; a slot
-/// counts only if it carries the present epoch.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PosedVertices {
-    slots: Vec<Cell<(u32, DVec3)>>,
-    epoch: u32,
-}
+/// Vertices of a second body that has grown or shrunk, whose places cost more than posing: each is
+/// computed when it is first read.
+#[derive(Debug, Default)]
+pub(crate) struct GrownVertices(RefCell<(Numbering, Vec<DVec3>)>);
 
-impl PosedVertices {
-    /// Forgets all positions and makes room for `count` vertices.
-    fn restart(&mut self, count: usize) {
-        if self.slots.len() != count || self.epoch == u32::MAX {
-            self.slots.clear();
-            self.slots.resize(count, Cell::new((0, DVec3::ZERO)));
-            self.epoch = 0;
+impl GrownVertices {
+    fn place(&self, vertex: VertexId, computed: impl FnOnce() -> DVec3) -> DVec3 {
+        let (numbers, places) = &mut *self.0.borrow_mut();
+        let (number, is_new) = numbers.number(u64::from(vertex.0));
+        if is_new {
+            places.push(computed());
         }
-        self.epoch += 1;
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        self.slots.capacity() * size_of::<Cell<(u32, DVec3)>>()
+        places[number as usize]
     }
 }
 
@@ -129,8 +122,8 @@ pub struct Pair<'a> {
     /// The first in canonical order is the caller's B.
     swapped: bool,
     length_error: f64,
-    /// Where posed vertices are kept, if the second has grown or shrunk.
-    posed: Option<&'a PosedVertices>,
+    /// Where vertices of the second are kept, if that has grown or shrunk.
+    grown: Option<&'a GrownVertices>,
 }
 
 impl<'a> Pair<'a> {
@@ -159,31 +152,29 @@ impl<'a> Pair<'a> {
             world_from_first: first.pose.world_from_body(),
             bulge: 0.0,
             swapped,
-            posed: None,
+            grown: None,
         }
     }
 
     /// The same pair with the second body moved by `offset` (first's frame) and grown by `bulge`
-    /// (shrunk if negative), every vertex along the mean normal of its faces, and kept in `posed`.
+    /// (shrunk if negative), every vertex along the mean normal of its faces, and kept in `grown`,
+    /// which holds none so far.
     pub(crate) fn shifted<'p>(
         &self,
         offset: DVec3,
         bulge: f64,
-        posed: &'p mut PosedVertices,
+        grown: &'p GrownVertices,
     ) -> Pair<'p>
     where
         'a: 'p,
     {
-        if bulge != 0.0 {
-            posed.restart(self.models[1].mesh().vertices().len());
-        }
         let mut first_from_second = self.first_from_second;
         first_from_second.translation += offset;
         Pair {
             first_from_second,
             bulge,
             length_error: length_error(self.models, &first_from_second),
-            posed: (bulge != 0.0).then_some(posed),
+            grown: (bulge != 0.0).then_some(grown),
             ..*self
         }
     }
@@ -225,21 +216,13 @@ impl<'a> Pair<'a> {
     #[inline]
     pub fn position(&self, side: Side, vertex: VertexId) -> DVec3 {
         let p = self.mesh(side).position(vertex);
-        match (side, self.posed) {
+        match (side, self.grown) {
             (Side::First, _) => p,
             // Posing costs less than looking up what was posed.
             (Side::Second, None) => self.first_from_second.apply(p),
-            (Side::Second, Some(posed)) => {
-                let slot = &posed.slots[vertex.index()];
-                let (epoch, place) = slot.get();
-                if epoch == posed.epoch {
-                    return place;
-                }
-                let place =
-                    self.first_from_second.apply(p) + self.bulge * self.vertex_normal(vertex);
-                slot.set((posed.epoch, place));
-                place
-            }
+            (Side::Second, Some(grown)) => grown.place(vertex, || {
+                self.first_from_second.apply(p) + self.bulge * self.vertex_normal(vertex)
+            }),
         }
     }
 

@@ -5,7 +5,7 @@ use cranny_exact::{DVec3, RigidMap};
 use crate::answer::{Contact, Region};
 use crate::depth::MeasuredRegion;
 use crate::intersection::{Intersection, intersect};
-use crate::pair::{Pair, PosedVertices};
+use crate::pair::Pair;
 use crate::pieces::cut;
 use crate::special_position::{in_general_position, settled};
 use crate::surface::FacePair;
@@ -51,7 +51,6 @@ impl Penetration {
 /// The overlaps of two closed solids, a region each. In world coordinates and the caller's order.
 pub(crate) fn overlaps(
     pair: &Pair,
-    posed: &mut PosedVertices,
     pairs: &[FacePair],
     counters: &mut impl Tally,
 ) -> Vec<Penetration> {
@@ -65,7 +64,7 @@ pub(crate) fn overlaps(
     };
     let here = intersect(pair, pairs);
     let depth = |deepest: &Contact| -deepest.separation;
-    let (found, _) = in_general_position(pair, posed, &here, counters, of_regions, depth);
+    let (found, _) = in_general_position(pair, &here, counters, of_regions, depth);
     let finish = |deepest: Contact| {
         let normal = pair.world_normal(deepest.normal);
         let deepest = if here.generic { deepest } else { settled(pair, deepest) };

@@ -8,7 +8,7 @@ use crate::contacts::nearer;
 use crate::depth::MeasuredRegion;
 use crate::found::Found;
 use crate::intersection::{Chains, Intersection, Node, intersect};
-use crate::pair::{Pair, PosedVertices, Side};
+use crate::pair::{Pair, Side};
 use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::special_position::in_general_position;
@@ -21,7 +21,6 @@ use crate::way_out::{Others, way_out};
 /// their depths may be off.
 pub(crate) fn meeting_regions(
     pair: &Pair,
-    posed: &mut PosedVertices,
     pairs: &[FacePair],
     solid: bool,
     counters: &mut impl Tally,
@@ -38,8 +37,7 @@ pub(crate) fn meeting_regions(
         return (open_regions(pair, &here, pairs), rounding);
     }
     let depth = |found: &Found| found.depth.unwrap_or(0.0);
-    let (mut found, error) =
-        in_general_position(pair, posed, &here, counters, closed_regions, depth);
+    let (mut found, error) = in_general_position(pair, &here, counters, closed_regions, depth);
     if found.is_empty() {
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
         return (touch_regions(pair, pairs), rounding);

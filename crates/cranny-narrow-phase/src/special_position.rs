@@ -6,7 +6,7 @@ use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
 use crate::intersection::{Intersection, intersect};
-use crate::pair::{Pair, PosedVertices, Side};
+use crate::pair::{GrownVertices, Pair, Side};
 use crate::search::meeting_pairs;
 use crate::tally::Tally;
 
@@ -46,7 +46,6 @@ const STEEPEST: f64 = 1e-3;
 /// part both ways; then a mere shift has to do.
 pub(crate) fn in_general_position<T>(
     pair: &Pair,
-    posed: &mut PosedVertices,
     here: &Intersection,
     counters: &mut impl Tally,
     read: impl Fn(&Pair, &Intersection) -> Vec<T>,
@@ -59,7 +58,8 @@ pub(crate) fn in_general_position<T>(
     let scale = pair.scale();
     let step = NUDGE * scale;
     let mut beside = |offset: DVec3, bulge: f64| {
-        let shifted = pair.shifted(offset, bulge, posed);
+        let grown = GrownVertices::default();
+        let shifted = pair.shifted(offset, bulge, &grown);
         let pairs = meeting_pairs(&shifted, counters);
         let there = intersect(&shifted, &pairs);
         let cuts_out = there.generic && !there.segments.is_empty();
