@@ -135,6 +135,16 @@ impl Mesh {
         &self.faces
     }
 
+    /// All vertices, ascending.
+    pub fn vertex_ids(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
+        (0..self.vertices.len() as u32).map(VertexId)
+    }
+
+    /// All faces, ascending.
+    pub fn face_ids(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
+        (0..self.faces.len() as u32).map(FaceId)
+    }
+
     /// Position of a vertex.
     #[must_use]
     #[inline]

@@ -78,7 +78,7 @@ impl Model {
         let mut report = Report { weld_distance, ..Report::default() };
         let PreparedMesh { mut mesh, filed_faces, mut provenance } =
             mended(mesh, options.repair, weld_distance)?;
-        if (0..mesh.faces().len() as u32).all(|f| has_no_area(&mesh, FaceId(f))) {
+        if mesh.face_ids().all(|f| has_no_area(&mesh, f)) {
             return Err(BuildError::OnlyDegenerateFaces { faces: mesh.faces().len() });
         }
         let mut topology = Topology::of(&mesh);

@@ -93,7 +93,7 @@ impl SmoothNormals {
     pub fn of(model: &Model, crease_angle: f64) -> Result<Self, CreaseAngleError> {
         check_crease_angle(crease_angle)?;
         let (mesh, topology) = (model.mesh(), model.topology());
-        let faces: Vec<DVec3> = faces_of(mesh).map(|f| direction(mesh.area_vector(f))).collect();
+        let faces: Vec<DVec3> = mesh.face_ids().map(|f| direction(mesh.area_vector(f))).collect();
         let (of_corner, count) = joined_corners(topology, &faces, crease_angle).numbered();
         let corner_normals = means(mesh, &faces, &of_corner, count);
         let mut own = Self { crease_angle, corner_normals, of_corner, creases: Vec::new() };
@@ -194,7 +194,7 @@ impl SmoothNormals {
     fn found_creases(&self, model: &Model) -> Vec<(VertexId, Crease)> {
         let (mesh, topology) = (model.mesh(), model.topology());
         let is_sharp = |e: EdgeId| self.on_edge(model, e, 0.5).is_none();
-        let edges = (0..topology.edges().len() as u32).map(EdgeId).filter(|&e| is_sharp(e));
+        let edges = topology.edge_ids().filter(|&e| is_sharp(e));
         let mut ends: Vec<[VertexId; 2]> = edges
             .flat_map(|e| {
                 let Edge { from, to, .. } = topology.edges()[e.index()];
@@ -221,10 +221,6 @@ impl SmoothNormals {
         let found = self.corner_normals[number as usize];
         (found.normal != DVec3::ZERO).then_some(found)
     }
-}
-
-fn faces_of(mesh: &Mesh) -> impl Iterator<Item = FaceId> {
-    (0..mesh.faces().len() as u32).map(FaceId)
 }
 
 /// The corners (half-edges, where they begin) of faces that are reached from each other around a
@@ -263,7 +259,7 @@ fn means(mesh: &Mesh, faces: &[DVec3], of_corner: &[u32], count: usize) -> Vec<S
     let none = SurfaceNormal { normal: DVec3::ZERO, bend: 0.0 };
     let mut found = vec![none; count];
     let corners = || {
-        let faces = faces_of(mesh).zip(faces).filter(|(_, normal)| **normal != DVec3::ZERO);
+        let faces = mesh.face_ids().zip(faces).filter(|(_, normal)| **normal != DVec3::ZERO);
         faces.flat_map(|(face, normal)| {
             let triangle = mesh.triangle(face);
             (0..3).map(move |c| (HalfEdgeId::of(face, c), *normal, triangle))

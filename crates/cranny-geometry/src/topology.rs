@@ -94,6 +94,11 @@ impl Topology {
         &self.edges
     }
 
+    /// All edges, ascending.
+    pub fn edge_ids(&self) -> impl ExactSizeIterator<Item = EdgeId> + Clone + use<> {
+        (0..self.edges.len() as u32).map(EdgeId)
+    }
+
     /// The two half-edges of each edge, where every edge is a manifold one between two vertices.
     #[must_use]
     pub fn pairs(&self) -> Option<&[[HalfEdgeId; 2]]> {

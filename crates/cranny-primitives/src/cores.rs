@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildOptions, FaceId, Mesh, Model, VertexId};
+use cranny_geometry::{BuildOptions, Mesh, Model, VertexId};
 
 use crate::primitive::{Ball, Capsule, Cone, Cylinder, Primitive};
 use crate::ray::cast_ray;
@@ -151,7 +151,7 @@ impl<K: Ord> CoresOfBodies<K> {
 /// How the vertices of a model are moved inwards: depths apart, the same for all cores.
 fn all_inwards(model: &Model) -> Vec<Inwards> {
     let mesh = model.mesh();
-    let faces = (0..mesh.faces().len() as u32).map(FaceId);
+    let faces = mesh.face_ids();
     // From the middle of each face to the other side of the body.
     let through: Vec<f64> = faces
         .map(|face| {
@@ -161,7 +161,7 @@ fn all_inwards(model: &Model) -> Vec<Inwards> {
             way.unwrap_or(f64::INFINITY)
         })
         .collect();
-    let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+    let vertices = mesh.vertex_ids();
     vertices.map(|vertex| Inwards::of(model, vertex, &through)).collect()
 }
 

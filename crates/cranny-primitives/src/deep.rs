@@ -49,7 +49,7 @@ const ASIDE: f64 = -0.25;
 /// bounds no volume.
 #[must_use]
 pub fn thickness(model: &Model) -> f64 {
-    let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+    let faces = model.mesh().face_ids();
     let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
     let volume = model.mass_properties().map(|mass| mass.volume);
     volume.filter(|v| *v > 0.0).map_or(f64::INFINITY, |v| 2.0 * v / area)

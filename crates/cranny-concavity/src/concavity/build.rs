@@ -170,7 +170,7 @@ impl Input<'_> {
     fn find_loops(&self, all: &mut ConcavitySet) {
         let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
         let of_face = &all.concavity_of_face;
-        let edges = (0..self.topology.edges().len() as u32).map(EdgeId);
+        let edges = self.topology.edge_ids();
         if let Some(pairs) = self.topology.pairs() {
             // Nearly no edge.
             let parts = |pair: &[HalfEdgeId; 2]| {
@@ -305,7 +305,7 @@ impl Input<'_> {
             skin.area += 0.5 * twice_area_vector(corners).length();
             skin.volume += self.volume_below(corners);
         }
-        for face in (0..self.mesh.faces().len() as u32).map(FaceId) {
+        for face in self.mesh.face_ids() {
             let corners = self.mesh.triangle(face);
             let (area, volume) =
                 (0.5 * twice_area_vector(corners).length(), self.volume_below(corners));

@@ -70,7 +70,7 @@ impl Components {
             joined.join_at_tips(topology, features, caps);
             return joined;
         }
-        for e in (0..topology.edges().len() as u32).map(EdgeId).filter(|e| !has_cap[e.index()]) {
+        for e in topology.edge_ids().filter(|e| !has_cap[e.index()]) {
             if let [g, h] = *topology.half_edges(e) {
                 join(&mut joined, [g, h]);
                 continue;

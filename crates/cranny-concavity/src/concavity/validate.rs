@@ -7,8 +7,8 @@ use crate::features::Features;
 use crate::ids::CapId;
 use cranny_geometry::Mesh;
 use cranny_geometry::Topology;
+use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, FacetId};
-use cranny_geometry::{FaceId, VertexId};
 
 /// Directed edges with multiplicities, by lesser and greater end: those of a closed surface cancel.
 #[derive(Debug, Default)]
@@ -55,7 +55,7 @@ impl ConcavitySet {
         for t in hull.source_triangles() {
             whole.add(t, 1);
         }
-        for f in (0..mesh.faces().len() as u32).map(FaceId).filter(|&f| features.is_convex(f)) {
+        for f in mesh.face_ids().filter(|&f| features.is_convex(f)) {
             whole.add(mesh.corners(f), -1);
         }
         for cap in self.caps() {
@@ -102,7 +102,7 @@ impl ConcavitySet {
     }
 
     fn validate_owners(&self, mesh: &Mesh, features: &Features) -> Result<(), String> {
-        for f in (0..mesh.faces().len() as u32).map(FaceId) {
+        for f in mesh.face_ids() {
             let listed = |c| self.get(c).faces.binary_search(&f).is_ok();
             match self.of_face(f) {
                 None if features.is_convex(f) => {}

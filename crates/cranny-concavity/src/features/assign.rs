@@ -136,7 +136,7 @@ impl Assignment {
         let on_hull = self.vertices_on_hull();
         // Nearly none of a body whose hull is small.
         let is_on_hull = |f: &FaceId| mesh.corners(*f).iter().all(|v| on_hull[v.index()]);
-        let faces = (0..mesh.faces().len() as u32).map(FaceId).filter(is_on_hull);
+        let faces = mesh.face_ids().filter(is_on_hull);
         self.assign_faces(mesh, topology, hull, faces);
     }
 

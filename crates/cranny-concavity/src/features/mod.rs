@@ -119,7 +119,7 @@ impl Features {
             }
             feature
         };
-        let vertices = (0..mesh.vertices().len() as u32).map(VertexId).map(vertex).collect();
+        let vertices = mesh.vertex_ids().map(vertex).collect();
         ridges_on_facets.sort_unstable();
         let features = Self {
             facet_of_face: assignment.facet_of_face.clone(),
@@ -213,7 +213,7 @@ impl Features {
     /// The first broken invariant, in words.
     pub fn validate(&self, mesh: &Mesh, topology: &Topology) -> Result<(), String> {
         let mut counted = vec![0u32; self.sets.len()];
-        for f in (0..mesh.faces().len() as u32).map(FaceId) {
+        for f in mesh.face_ids() {
             if self.facet_of(f).is_some() != self.convex_set_of(f).is_some() {
                 return Err(format!("face {} has a facet or a convex set, not both", f.0));
             }

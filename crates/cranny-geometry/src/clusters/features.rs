@@ -100,12 +100,12 @@ pub(super) fn owned(
         }
         owned
     };
-    (0..mesh.faces().len() as u32).map(|f| of(FaceId(f))).collect()
+    mesh.face_ids().map(of).collect()
 }
 
 /// Of each edge, whether it may cross another body's and make a contact.
 pub(super) fn ridges_of(surface: &Surface) -> Vec<bool> {
-    let edges = (0..surface.topology.edges().len() as u32).map(EdgeId);
+    let edges = surface.topology.edge_ids();
     edges.map(|edge| may_be_ridge(surface, surface.topology.half_edges(edge))).collect()
 }
 
@@ -161,13 +161,13 @@ impl Owners {
             })
         };
         let mut vertices = vec![Vec::new(); groups.len()];
-        for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+        for vertex in mesh.vertex_ids() {
             if let Some(group) = largest(&mut topology.faces_at(vertex).iter().copied()) {
                 vertices[group].push(vertex);
             }
         }
         let mut edges = vec![Vec::new(); groups.len()];
-        for edge in (0..topology.edges().len() as u32).map(EdgeId) {
+        for edge in topology.edge_ids() {
             let around = topology.half_edges(edge);
             if is_ridge[edge.index()]
                 && let Some(group) = largest(&mut around.iter().map(|h| h.face()))
@@ -324,8 +324,7 @@ pub(super) enum Tip {
 impl Tip {
     /// Of all vertices.
     pub(super) fn all(surface: &Surface) -> Vec<Self> {
-        let vertices = 0..surface.mesh.vertices().len() as u32;
-        vertices.map(|v| Self::of(surface, VertexId(v))).collect()
+        surface.mesh.vertex_ids().map(|v| Self::of(surface, v)).collect()
     }
 
     /// Whether there may be some.

@@ -163,9 +163,8 @@ impl ClusterTree {
         let origin = bounds.center();
         let unit = power_of_two_above(0.5 * (bounds.max - bounds.min).length());
         let places: Vec<DVec3> = mesh.vertices().iter().map(|p| (*p - origin) / unit).collect();
-        let normals: Vec<DVec3> = (0..mesh.faces().len() as u32)
-            .map(|f| mesh.area_vector(FaceId(f)).normalize_or_zero())
-            .collect();
+        let normals: Vec<DVec3> =
+            mesh.face_ids().map(|f| mesh.area_vector(f).normalize_or_zero()).collect();
         let surface = Surface { mesh, topology, places: &places, normals: &normals };
         let groups = grow::groups(&surface);
         let is_ridge = features::ridges_of(&surface);
@@ -362,7 +361,7 @@ impl Surface<'_> {
 /// A box around each closed component.
 fn solids(mesh: &Mesh, topology: &Topology) -> Vec<Aabb> {
     let mut boxes = vec![Aabb::EMPTY; topology.components().len()];
-    for face in (0..mesh.faces().len() as u32).map(FaceId) {
+    for face in mesh.face_ids() {
         let own = &mut boxes[topology.component_of(face).index()];
         *own = own.union(&Aabb::of_points(mesh.triangle(face)));
     }

@@ -87,7 +87,7 @@ fn yielding(model: &Model, blow: &Blow) -> Vec<(VertexId, f64)> {
     let looks_at_it = |&face: &FaceId| model.mesh().area_vector(face).dot(blow.inward) < 0.0;
     let weight = |vertex: VertexId| weight_at(blow, model.mesh().position(vertex));
     let faces_at = |vertex: VertexId| model.topology().faces_at(vertex).iter().copied();
-    let all = (0..model.mesh().vertices().len() as u32).map(VertexId);
+    let all = model.mesh().vertex_ids();
     let near = all.filter(|&v| weight(v) > 0.0 && faces_at(v).any(|f| looks_at_it(&f)));
     let distance = |v: &VertexId| model.mesh().position(*v).distance_squared(blow.at);
     let Some(first) = near.min_by(|v, w| distance(v).total_cmp(&distance(w))) else {

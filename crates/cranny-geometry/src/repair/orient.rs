@@ -97,7 +97,7 @@ fn turn_components(
         shell.looks = shell.looks.flipped();
         shell.volume = -shell.volume;
     }
-    let faces = (0..work.mesh.faces().len() as u32).map(FaceId);
+    let faces = work.mesh.face_ids();
     let of_faces: Vec<bool> = faces.map(|f| turn[topology.component_of(f).index()]).collect();
     records.push(match of_faces.contains(&false) {
         false => RepairRecord::new(RepairKind::TurnedRightSideOut, of_faces.len()),

@@ -50,7 +50,7 @@ impl<'a> Crowds<'a> {
         tree: &FaceTree,
         stars: &mut Stars,
     ) -> Self {
-        let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+        let vertices = mesh.vertex_ids();
         let crowded: Vec<VertexId> =
             vertices.filter(|&v| topology.faces_at(v).len() >= CROWD).collect();
         let (mut of_face, mut couples) = (Vec::new(), Vec::new());

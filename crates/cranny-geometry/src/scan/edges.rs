@@ -43,7 +43,7 @@ pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
 pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut spokes: Vec<(VertexId, usize)> = Vec::new();
-    for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+    for vertex in mesh.vertex_ids() {
         if !stars.is_torn(vertex) {
             continue; // one ring is one fan
         }

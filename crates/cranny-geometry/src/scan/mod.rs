@@ -117,7 +117,7 @@ fn shell_findings(
     }
     let mut areas = vec![0.0; topology.components().len()];
     if !disagreement.twisted.is_empty() {
-        for face in (0..mesh.faces().len() as u32).map(FaceId) {
+        for face in mesh.face_ids() {
             areas[topology.component_of(face).index()] += mesh.area_vector(face).length();
         }
     }

@@ -88,7 +88,7 @@ impl FaceTree {
     /// Cost: O(n log n).
     #[must_use]
     pub fn of(mesh: &Mesh, leaf_size: usize) -> Self {
-        let all: Vec<FaceId> = (0..mesh.faces().len() as u32).map(FaceId).collect();
+        let all: Vec<FaceId> = mesh.face_ids().collect();
         Self::over(mesh, &all, leaf_size)
     }
 
@@ -265,7 +265,7 @@ mod tests {
     use cranny_exact::DVec3;
 
     fn all(mesh: &Mesh) -> Vec<FaceId> {
-        (0..mesh.faces().len() as u32).map(FaceId).collect()
+        mesh.face_ids().collect()
     }
 
     fn strip(count: u32) -> Mesh {
