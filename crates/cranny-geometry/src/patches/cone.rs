@@ -41,7 +41,7 @@ pub(super) struct Normal {
 
 impl Normal {
     /// `None` for needles and faces without area.
-    fn of(mesh: &Mesh, face: FaceId) -> Option<Self> {
+    pub(super) fn of(mesh: &Mesh, face: FaceId) -> Option<Self> {
         let [a, b, c] = mesh.triangle(face);
         // From the corner between the two shorter edges the product rounds least.
         let [ab, bc, ca] = [b - a, c - b, a - c];
@@ -84,7 +84,7 @@ pub(super) struct Normals(Vec<Normal>);
 impl Normals {
     pub(super) fn of(mesh: &Mesh) -> Self {
         let none = Normal { vector: DVec3::ZERO, length: 0.0, error: 0.0 };
-        let faces = (0..mesh.faces().len() as u32).map(FaceId);
+        let faces = mesh.face_ids();
         Self(faces.map(|face| Normal::of(mesh, face).unwrap_or(none)).collect())
     }
 
@@ -98,11 +98,6 @@ impl Normals {
     pub(super) fn get(&self, face: FaceId) -> Option<Normal> {
         Some(self.0[face.index()]).filter(|normal| normal.length > 0.0)
     }
-
-    /// [`Measured::of`], by normals that are known.
-    pub(super) fn measured(&self, mesh: &Mesh, faces: &[FaceId], axis: DVec3) -> Measured {
-        Measured::by(|face| self.get(face), mesh, faces, axis)
-    }
 }
 
 /// What the normals of some faces have in common.
@@ -114,12 +109,8 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Cost: O(n).
-    pub(super) fn of(mesh: &Mesh, faces: &[FaceId], axis: DVec3) -> Self {
-        Self::by(|face| Normal::of(mesh, face), mesh, faces, axis)
-    }
-
-    fn by(
+    /// `normal_of` returns the [normal](Normal::of) of a face. Cost: O(n).
+    pub(super) fn of(
         normal_of: impl Fn(FaceId) -> Option<Normal>,
         mesh: &Mesh,
         faces: &[FaceId],
@@ -295,7 +286,7 @@ mod tests {
         assert_eq!(unit_normal(&line, FaceId(0)), None);
         let slim = mesh([at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1e-10)]);
         assert_eq!(unit_normal(&slim, FaceId(0)), Some(DVec3::Z));
-        let about = |axis| Measured::of(&slim, &[FaceId(0)], axis).cone;
+        let about = |axis| Measured::of(|f| Normal::of(&slim, f), &slim, &[FaceId(0)], axis).cone;
         assert!(about(DVec3::Z).cosine > 1.0 - 1e-9);
         assert!(!about(-DVec3::Z).is_bounded());
     }

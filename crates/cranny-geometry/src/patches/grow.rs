@@ -11,7 +11,7 @@
 //! the order of faces, ratios of lengths and angles decide: scaling by a power of two changes
 //! nothing.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -239,11 +239,10 @@ fn grown(
     let count = normals.len();
     let face = |f: FaceId| (normals.get(f).map(|normal| normal.unit()), *mates.bounds(f));
     let mut numbering = PatchNumbers { patch_of: vec![NONE; count], number: 0 };
-    let (mut patches, mut front) = (Vec::new(), VecDeque::new());
+    let (mut patches, mut faces) = (Vec::new(), Vec::new());
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {
-            let (free, front) = (&mut numbering, &mut front);
-            patches.push(grow_from(seed, topology, limits, face, free, front, |_| {}));
+            patches.push(grow_from(seed, topology, limits, face, &mut numbering, &mut faces));
             numbering.number += 1;
         }
     }
@@ -258,36 +257,35 @@ pub(super) fn divided(
     faces: &[FaceId],
 ) -> Vec<(Growing, Vec<FaceId>)> {
     let mut left: BTreeSet<FaceId> = faces.iter().copied().collect();
-    let (mut patches, mut front) = (Vec::new(), VecDeque::new());
+    let face = |f| (unit_normal(mesh, f), Aabb::of_points(mesh.triangle(f)));
+    let mut patches = Vec::new();
     while let Some(&seed) = left.first() {
-        let mut taken = Vec::new();
-        let face = |f| (unit_normal(mesh, f), Aabb::of_points(mesh.triangle(f)));
-        let take = |f| taken.push(f);
-        let patch = grow_from(seed, topology, limits, face, &mut left, &mut front, take);
-        patches.push((patch, taken));
+        let mut faces = Vec::new();
+        let patch = grow_from(seed, topology, limits, face, &mut left, &mut faces);
+        patches.push((patch, faces));
     }
     patches
 }
 
 /// Grows one patch, breadth-first. `face` returns the unit normal, but for needles, and the box of
-/// a face; `front` is memory to be used again.
+/// a face; `taken` becomes the faces of the patch.
 fn grow_from(
     seed: FaceId,
     topology: &Topology,
     limits: &Limits,
     face: impl Fn(FaceId) -> (Option<DVec3>, Aabb),
     free: &mut impl Free,
-    front: &mut VecDeque<FaceId>,
-    mut taken: impl FnMut(FaceId),
+    taken: &mut Vec<FaceId>,
 ) -> Growing {
     let (normal, bounds) = face(seed);
     let mut patch = Growing::alone(normal, &bounds);
     let mut least_between = least_cosine_between(patch.cone);
-    front.clear();
-    front.push_back(seed);
+    taken.clear();
+    taken.push(seed);
     free.take(seed);
-    taken(seed);
-    while let Some(at) = front.pop_front() {
+    let mut looked_at = 0;
+    while let Some(&at) = taken.get(looked_at) {
+        looked_at += 1;
         for_each_neighbor(topology, at, |_, next| {
             if !free.has(next) {
                 return;
@@ -302,8 +300,7 @@ fn grow_from(
                 if between >= cone.cosine {
                     if patch.take_in(&bounds, limits) {
                         free.take(next);
-                        taken(next);
-                        front.push_back(next);
+                        taken.push(next);
                     }
                     return;
                 }
@@ -315,8 +312,7 @@ fn grow_from(
                 }
                 patch = larger;
                 free.take(next);
-                taken(next);
-                front.push_back(next);
+                taken.push(next);
             }
         });
     }

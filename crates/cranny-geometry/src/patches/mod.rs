@@ -27,7 +27,7 @@ use std::collections::BTreeSet;
 use cranny_exact::{Aabb, DVec3};
 
 pub use self::cone::NormalCone;
-use self::cone::{Measured, Normals};
+use self::cone::{Measured, Normal, Normals};
 use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
@@ -89,20 +89,19 @@ impl Patches {
     pub(crate) fn with_mates(mesh: &Mesh, topology: &Topology, mates: &Mates) -> Self {
         let normals = Normals::of(mesh);
         let partition = grow::partition_by(mesh, topology, &normals, mates);
-        let measure = |faces: &[FaceId], axis: DVec3| normals.measured(mesh, faces, axis);
-        Self::assemble(mesh, partition, measure)
+        Self::assemble(mesh, partition, |face| normals.get(face))
     }
 
-    /// From a partition; `measure` measures faces about an axis.
+    /// From a partition; `normal_of` returns the normal of a face.
     fn assemble(
         mesh: &Mesh,
         partition: grow::Partition,
-        measure: impl Fn(&[FaceId], DVec3) -> Measured,
+        normal_of: impl Fn(FaceId) -> Option<Normal>,
     ) -> Self {
         let grow::Partition { patch_of, patches: grown } = partition;
         let faces = Lists::of(grown.len(), &patch_of);
         let measured = |(p, grown): (usize, &grow::Growing)| {
-            Patch::by(&measure, mesh, faces.get(p), grown.cone)
+            Patch::by(&normal_of, mesh, faces.get(p), grown.cone)
         };
         let patches = grown.iter().enumerate().map(measured).collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
@@ -234,12 +233,12 @@ impl Patches {
 impl Patch {
     /// Of some faces, at least one. `axis`: of the cone; `None` where all faces are needles.
     fn of(mesh: &Mesh, faces: &[FaceId], axis: Option<NormalCone>) -> Self {
-        Self::by(|faces, axis| Measured::of(mesh, faces, axis), mesh, faces, axis)
+        Self::by(|face| Normal::of(mesh, face), mesh, faces, axis)
     }
 
-    /// The same, given how to measure faces about an axis.
+    /// The same, given the normals of faces.
     fn by(
-        measure: impl Fn(&[FaceId], DVec3) -> Measured,
+        normal_of: impl Fn(FaceId) -> Option<Normal>,
         mesh: &Mesh,
         faces: &[FaceId],
         axis: Option<NormalCone>,
@@ -254,7 +253,7 @@ impl Patch {
         };
         let farthest = corners().fold(0.0, farther);
         let axis = axis.map_or(DVec3::ZERO, |cone| cone.axis);
-        let Measured { cone, needles, area } = measure(faces, axis);
+        let Measured { cone, needles, area } = Measured::of(normal_of, mesh, faces, axis);
         Self {
             cone,
             bounds,

@@ -11,9 +11,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::Aabb;
 
-use super::cone::Measured;
+use super::cone::Normal;
 use super::grow::{Growing, Limits, Partition, divided};
 use super::{Lists, Patch, Patches};
 use crate::ids::{FaceId, PatchId};
@@ -99,8 +99,7 @@ impl Patches {
                 *grown = finished(old);
             }
         }
-        let measure = |faces: &[FaceId], axis: DVec3| Measured::of(mesh, faces, axis);
-        *self = Self::assemble(mesh, partition, measure);
+        *self = Self::assemble(mesh, partition, |face| Normal::of(mesh, face));
         map
     }
 }
