@@ -195,7 +195,7 @@ impl FollowedConcavities {
         let held = set.iter().map(|c| c.faces.len()).sum::<usize>();
         let mut change = ConcavityChange {
             reclassified: (0..faces as u32).map(FaceId).filter(turned).collect(),
-            trees: NodeChanges { renumbered: true, ..NodeChanges::default() },
+            trees: NodeChanges::anew(),
             work: ConcavityWork {
                 is_anew: true,
                 faces,
@@ -362,7 +362,7 @@ impl FollowedDeformation<'_> {
             *trees = new;
         }
         if !in_place || !bad.is_empty() {
-            *changes = NodeChanges { renumbered: true, ..NodeChanges::default() };
+            *changes = NodeChanges::anew();
         }
     }
 

@@ -99,7 +99,7 @@ impl Crumbs {
                 continue;
             }
             let (beneath, range) = tree.beneath(node);
-            let faces = &tree.faces()[range.start as usize..range.end as usize];
+            let faces = &tree.faces()[range];
             if faces.len() <= most && !self.is_bent(mesh, faces) {
                 self.add(mesh, opening, faces);
                 node = beneath.end;

@@ -145,9 +145,9 @@ impl Finder<'_> {
     }
 
     /// Looks at each vertex of some faces, given the nodes over facets that reach into their box.
-    fn settle(&mut self, faces: Range<u32>, level: usize, left: Range<usize>) {
+    fn settle(&mut self, faces: Range<usize>, level: usize, left: Range<usize>) {
         let mut around = Vec::new();
-        for &face in &self.tree.faces()[faces.start as usize..faces.end as usize] {
+        for &face in &self.tree.faces()[faces] {
             for v in self.mesh.corners(face) {
                 if std::mem::replace(&mut self.settled[v.index()], true) {
                     continue;

@@ -58,6 +58,7 @@ struct Item {
     bounds: OrientedBox,
 }
 
+#[derive(Default)]
 struct Builder {
     points: Vec<PointPair>,
     items: Vec<Item>,
@@ -69,14 +70,7 @@ struct Builder {
 }
 
 pub(super) fn build(surface: &Surface, groups: &[Vec<FaceId>]) -> Built {
-    let mut builder = Builder {
-        points: Vec::new(),
-        items: Vec::with_capacity(groups.len()),
-        nodes: Vec::new(),
-        order: Vec::with_capacity(groups.len()),
-        bounds: Vec::with_capacity(groups.len()),
-        keyed: Vec::new(),
-    };
+    let mut builder = Builder::default();
     for (group, faces) in groups.iter().enumerate() {
         builder.take(surface, group, faces);
     }

@@ -103,7 +103,7 @@ impl<'a> Deformation<'a> {
         } else {
             *tree = FaceTree::of(mesh, *leaf_size);
             *grown = GrownAreas::of(tree.nodes());
-            *changes = NodeChanges { renumbered: true, ..NodeChanges::default() };
+            *changes = NodeChanges::anew();
         }
     }
 

@@ -57,7 +57,7 @@ impl Renewal {
     pub(super) fn report(&self, change: &mut ChangeSet, parts: &Parts) {
         change.hull |= self.hull_differs;
         if self.tree_differs {
-            change.tree = NodeChanges { renumbered: true, ..NodeChanges::default() };
+            change.tree = NodeChanges::anew();
         }
         if self.hull_differs || self.topology_differs {
             change.trail = None;

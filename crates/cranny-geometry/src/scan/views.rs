@@ -97,7 +97,6 @@ impl<'a> Views<'a> {
     /// direction.
     pub(super) fn is_clear(&mut self, node: u32) -> bool {
         let (_, faces) = self.tree.beneath(node);
-        let faces = faces.start as usize..faces.end as usize;
         let count = faces.len();
         if count < LEAST_FACES || self.looks_left < count {
             return false;

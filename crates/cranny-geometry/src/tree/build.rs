@@ -50,6 +50,7 @@ struct Task {
 const PAIR: u32 = 1 << 31;
 
 /// Appends trees to an arena, and keeps its scratch memory between them.
+#[derive(Default)]
 pub(crate) struct Grower {
     leaf_size: usize,
     /// By number.
@@ -66,9 +67,7 @@ pub(crate) struct Grower {
 
 impl Grower {
     pub(crate) fn new(leaf_size: usize) -> Self {
-        let (faces, boxes, names, tasks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (items, aside, stem) = (Vec::new(), Vec::new(), Vec::new());
-        Self { leaf_size: leaf_size.max(1), faces, boxes, names, items, aside, tasks, stem }
+        Self { leaf_size: leaf_size.max(1), ..Self::default() }
     }
 
     /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.

@@ -63,14 +63,7 @@ impl Mates {
 
 /// The corner at which the longest side of a face begins, the first of equals.
 fn longest_side(&[a, b, c]: &[DVec3; 3]) -> usize {
-    let [x, y, z] = [b - a, c - b, a - c].map(|side| side.length_squared());
-    if y > x {
-        if z > y { 2 } else { 1 }
-    } else if z > x {
-        2
-    } else {
-        0
-    }
+    DVec3::from_array([b - a, c - b, a - c].map(DVec3::length_squared)).max_position()
 }
 
 /// Whether the box of both faces is hardly larger than that of either.

@@ -11,8 +11,7 @@ use std::ops::Range;
 
 use cranny_exact::Aabb;
 
-use super::build::Grower;
-use super::{Content, FaceForest, FaceTree, Node, face_boxes};
+use super::{Content, FaceForest, FaceTree, Node};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -77,6 +76,12 @@ pub struct NodeChanges {
 }
 
 impl NodeChanges {
+    /// Nodes are numbered anew.
+    #[must_use]
+    pub fn anew() -> Self {
+        Self { renumbered: true, ..Self::default() }
+    }
+
     /// Whether a node holds just what it did, in the same box.
     #[must_use]
     pub fn is_unchanged(&self, node: u32) -> bool {
@@ -195,17 +200,15 @@ impl FaceTree {
     /// Grows what hangs at a node again, if that takes just as many nodes; their range.
     fn regrow(&mut self, node: u32, mesh: &Mesh, leaf_size: usize) -> Option<Range<u32>> {
         let (nodes, faces) = self.beneath(node);
-        let held = &self.faces[faces.start as usize..faces.end as usize];
-        let (mut new_nodes, mut new_faces) = (Vec::new(), Vec::new());
-        Grower::new(leaf_size).grow(face_boxes(mesh, held), &mut new_nodes, &mut new_faces);
-        if new_nodes.len() != nodes.len() {
+        let new = Self::over(mesh, &self.faces[faces.clone()], leaf_size);
+        if new.nodes.len() != nodes.len() {
             return None;
         }
-        for (to, mut from) in nodes.clone().zip(new_nodes) {
-            from.content += if from.count == 0 { nodes.start } else { faces.start };
+        for (to, mut from) in nodes.clone().zip(new.nodes) {
+            from.content += if from.count == 0 { nodes.start } else { faces.start as u32 };
             self.nodes[to as usize] = from;
         }
-        self.faces[faces.start as usize..faces.end as usize].copy_from_slice(&new_faces);
+        self.faces[faces].copy_from_slice(&new.faces);
         Some(nodes)
     }
 
@@ -222,7 +225,7 @@ impl FaceTree {
 
     /// The nodes that hang at a node, itself included, and the faces that they hold: both stand
     /// together.
-    pub fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
+    pub fn beneath(&self, node: u32) -> (Range<u32>, Range<usize>) {
         let (mut first, mut last) = (node, node);
         let start = loop {
             match self.content(first) {
@@ -236,7 +239,7 @@ impl FaceTree {
                 Content::Leaf { end, .. } => break end,
             }
         };
-        (node..last + 1, start..end)
+        (node..last + 1, start as usize..end as usize)
     }
 }
 
