@@ -5,10 +5,12 @@
 //!
 //! Source: none. Cost: the nodes of the tree that lie near, O(log n) as a rule where few faces do.
 
-use cranny_exact::{Aabb, DVec2, DVec3, orient2d};
+use cranny_exact::{Aabb, DVec3};
 
+use crate::each_once::each_once;
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
+use crate::projection::collinear;
 use crate::tree::FaceTree;
 
 /// Relative to the coordinates that enter, what the roundings of a distance add up to: a handful of
@@ -42,7 +44,7 @@ pub(crate) fn foot(p: DVec3, [a, b]: [DVec3; 2]) -> Foot {
     let first = on_segment(to.dot(along) / length_squared);
     // As exact as a parameter can be: the quotient's own roundings would show.
     let parameter = on_segment(first + left(first).dot(along) / length_squared);
-    if on_line(p, a, b) && Aabb::of_points([a, b]).contains_point(p) {
+    if collinear(a, b, p) && Aabb::of_points([a, b]).contains_point(p) {
         return Foot { distance: 0.0, parameter };
     }
     // Any point of the segment gives an upper bound, whatever the parameter's rounding.
@@ -59,20 +61,9 @@ fn difference(p: DVec3, q: DVec3) -> [DVec3; 2] {
     [rounded, (p - (rounded + taken)) + (taken - q)]
 }
 
-/// Whether three points lie on one line, exactly.
-pub(crate) fn on_line(p: DVec3, a: DVec3, b: DVec3) -> bool {
-    [(0, 1), (1, 2), (2, 0)].into_iter().all(|(x, y)| {
-        let flat = |v: DVec3| DVec2::new(v[x], v[y]);
-        orient2d(flat(a), flat(b), flat(p)).is_zero()
-    })
-}
-
 /// The corners of faces near the box, each once, ascending.
 pub(crate) fn corners_near(mesh: &Mesh, tree: &FaceTree, near: &Aabb) -> Vec<VertexId> {
-    let (mut found, _) = tree.vertices_within(mesh, near);
-    found.sort_unstable();
-    found.dedup();
-    found
+    each_once(tree.vertices_within(mesh, near).0)
 }
 
 /// The vertices that `wanted` names, of faces whose boxes come within `margin` of the segment; each
@@ -93,9 +84,7 @@ pub(crate) fn corners_along(
             found.extend(mesh.corners(face).into_iter().filter(near));
         },
     );
-    found.sort_unstable();
-    found.dedup();
-    found
+    each_once(found)
 }
 
 #[cfg(test)]

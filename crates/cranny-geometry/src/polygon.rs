@@ -13,6 +13,7 @@ use std::cmp::Ordering;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
+use crate::projection::seen_along;
 use crate::triangulate::triangulate;
 
 /// Newell's sum shows the plane where it is more than this share of the sum of its terms. Smaller,
@@ -62,7 +63,7 @@ pub fn split_polygon(corners: &[DVec3]) -> SplitPolygon {
     }
     let walk = Walk::new(corners);
     let (plane, thickness) = ViewAxis::of(&walk);
-    let seen: Vec<DVec2> = corners.iter().map(|&p| plane.project(p)).collect();
+    let seen: Vec<DVec2> = corners.iter().map(|&p| seen_along(plane.axis, p)).collect();
     if is_convex(&seen) {
         return SplitPolygon { triangles: fan(corners.len()), simple: true, thickness };
     }
@@ -166,20 +167,11 @@ impl ViewAxis {
             last = p;
         }
         let shown = normal.abs().max_element() > SHOWS_PLANE * terms.max_element();
-        let axis = if shown { normal.abs() } else { terms }.to_array();
-        let axis = (0..3).fold(0, |best, k| if axis[k] > axis[best] { k } else { best });
+        let axis = if shown { normal.abs() } else { terms }.max_position();
         let unit = normal.normalize_or_zero();
         let thickness =
             walk.positions().map(|p| unit.dot(p - origin - mean).abs()).fold(0.0, f64::max);
         (Self { axis, turns_left: normal[axis] >= 0.0 }, thickness)
-    }
-
-    fn project(&self, p: DVec3) -> DVec2 {
-        match self.axis {
-            0 => DVec2::new(p.y, p.z),
-            1 => DVec2::new(p.z, p.x),
-            _ => DVec2::new(p.x, p.y),
-        }
     }
 }
 

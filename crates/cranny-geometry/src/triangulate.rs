@@ -32,6 +32,7 @@ mod tests;
 
 use cranny_exact::DVec2;
 
+use crate::each_once::each_once;
 use crate::topology::DisjointSets;
 use detour::Detours;
 pub use outlines::outlines;
@@ -184,9 +185,7 @@ fn is_closed(chain: &[Counted], sites: &Sites) -> bool {
 
 /// A fan for each connected part of the chain, about its lowest vertex.
 fn fans(chain: &[Counted]) -> Vec<[u32; 3]> {
-    let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.0).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let vertices = each_once(chain.iter().flat_map(|e| e.0));
     let rank = |v: u32| vertices.partition_point(|&u| u < v);
     let mut parts = DisjointSets::new(vertices.len());
     for &([from, to], _) in chain {

@@ -13,7 +13,8 @@ use cranny_exact::DVec3;
 use super::Surface;
 use super::lanes::LANES;
 use super::oriented::{FILE_NOISE, PointPair, Spread, frame_along, half_area_along};
-use crate::ids::{EdgeId, FaceId, HalfEdgeId};
+use crate::each_once::each_once;
+use crate::ids::{FaceId, HalfEdgeId};
 
 /// Cosine of the angle between a face's normal and that of its group at most: 14 degrees. Smaller
 /// angles: curved surfaces fall into single faces; larger: groups are thicker, and more pairs of
@@ -143,9 +144,9 @@ fn offers(surface: &Surface, groups: &[Group], group_of: &[u32]) -> Vec<Offer> {
 
 /// The faces of each cluster, 1 to [`LANES`].
 pub(super) fn groups(surface: &Surface) -> Vec<Vec<FaceId>> {
-    let count = surface.mesh.faces().len() as u32;
-    let mut groups: Vec<Group> = (0..count).map(|f| Group::of_face(surface, FaceId(f))).collect();
-    let mut group_of: Vec<u32> = (0..count).collect();
+    let mut groups: Vec<Group> =
+        surface.mesh.face_ids().map(|f| Group::of_face(surface, f)).collect();
+    let mut group_of: Vec<u32> = (0..groups.len() as u32).collect();
     for _ in 0..ROUNDS {
         let mut is_taken = vec![false; groups.len()];
         let mut joined = false;
@@ -171,8 +172,8 @@ pub(super) fn groups(surface: &Surface) -> Vec<Vec<FaceId>> {
 fn neighbours(surface: &Surface, group_of: &[u32]) -> Vec<[u32; 2]> {
     // A pair as one number.
     let mut pairs = Vec::new();
-    for edge in 0..surface.topology.edges().len() as u32 {
-        let around = surface.topology.half_edges(EdgeId(edge));
+    for edge in surface.topology.edge_ids() {
+        let around = surface.topology.half_edges(edge);
         for two in around.windows(2) {
             let [i, j] = [two[0], two[1]].map(|h| group_of[h.face().index()]);
             if i != j {
@@ -180,9 +181,7 @@ fn neighbours(surface: &Surface, group_of: &[u32]) -> Vec<[u32; 2]> {
             }
         }
     }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs.into_iter().map(|pair| [(pair >> 32) as u32, pair as u32]).collect()
+    each_once(pairs).into_iter().map(|pair| [(pair >> 32) as u32, pair as u32]).collect()
 }
 
 /// Notes that a group's faces belong to `group`.

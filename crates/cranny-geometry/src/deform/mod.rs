@@ -27,11 +27,12 @@ pub use self::dent::{Blow, Dent};
 use self::follow::Deformation;
 use self::renew::Renewal;
 use self::totals::Totals;
+use crate::each_once::each_once;
 use crate::ids::{FaceId, OptionalIndex, PatchId, VertexId};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::model::{Model, Parts};
-use crate::near::on_line;
+use crate::projection::collinear;
 use crate::scan::faces::has_no_area;
 use crate::tree::GrownAreas;
 
@@ -198,11 +199,7 @@ fn checked(
 
 /// The faces of moved vertices, ascending.
 fn faces_of(model: &Model, moves: &[(VertexId, DVec3)]) -> Vec<FaceId> {
-    let around = moves.iter().flat_map(|m| model.topology().faces_at(m.0));
-    let mut faces: Vec<FaceId> = around.copied().collect();
-    faces.sort_unstable();
-    faces.dedup();
-    faces
+    each_once(moves.iter().flat_map(|m| model.topology().faces_at(m.0)).copied())
 }
 
 /// Refuses what [`Model::build`] would refuse or turn around.
@@ -220,7 +217,7 @@ fn accept_faces(
     let others = (0..count as u32).map(FaceId).filter(|f| faces.binary_search(f).is_err());
     let moved = faces.iter().map(|&f| mesh.corners(f).map(place));
     let has_area = others.into_iter().any(|f| !has_no_area(mesh, f))
-        || moved.clone().any(|[a, b, c]| !on_line(c, a, b));
+        || moved.clone().any(|[a, b, c]| !collinear(a, b, c));
     if !has_area {
         return Err(DeformError::OnlyDegenerateFaces { faces: count });
     }

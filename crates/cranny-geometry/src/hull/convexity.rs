@@ -17,8 +17,9 @@ use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 use super::flat::edge_sign;
 use super::quickhull::{HullSurface, hull_of_some, previous};
 use super::side::Side;
-use super::span::{Projection, planar_hull};
+use super::span::{axis_of_plane, planar_hull};
 use super::{HullKind, plate, twofold};
+use crate::projection::turn;
 
 /// Whether a surface whose twins match is that of a hull with these vertices.
 pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &HullSurface) -> bool {
@@ -110,10 +111,10 @@ fn is_plate(positions: &[DVec3], surface: &HullSurface) -> bool {
     }
     let corners = |t: [u32; 3]| t.map(|v| positions[v as usize]);
     let is_flat = |h: u32| edge_sign(positions, surface, h).is_zero();
-    let Some(projection) = Projection::of_plane(corners(front[0])) else { return false };
-    let mut expected = planar_hull(positions, projection);
+    let Some(axis) = axis_of_plane(corners(front[0])) else { return false };
+    let mut expected = planar_hull(positions, axis);
     let [a, b, c] = corners(front[0]);
-    if projection.turn(a, b, c) == Sign::Negative {
+    if turn(axis, a, b, c) == Sign::Negative {
         expected.reverse();
     }
     let Some(start) = expected.iter().position(|&v| v == first) else { return false };

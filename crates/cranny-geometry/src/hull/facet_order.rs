@@ -13,6 +13,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::{ConvexHull, FacetId};
+use crate::each_once::each_once;
 use crate::ids::VertexId;
 
 /// Facets of a hull by their vertices.
@@ -41,10 +42,7 @@ impl<'a> FacetOrder<'a> {
         self.vertices.entry(facet).or_insert_with(|| {
             let triangles = hull.facet(FacetId(facet)).triangles.iter();
             let corners = triangles.flat_map(|&t| hull.triangle(t as usize));
-            let mut vertices: Vec<VertexId> = corners.map(|v| hull.source(v)).collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            vertices
+            each_once(corners.map(|v| hull.source(v)))
         });
     }
 }

@@ -110,16 +110,6 @@ impl FacetLayer {
             growth.run(0..surface.triangles.len() as u32);
         }
         let Growth { facet_of, planes, .. } = growth;
-        Self::assemble(tolerance, positions, surface, facet_of, planes)
-    }
-
-    fn assemble(
-        tolerance: f64,
-        positions: &[DVec3],
-        surface: &HullSurface,
-        facet_of: Vec<u32>,
-        planes: Vec<Plane>,
-    ) -> Self {
         let (triangle_starts, triangles) = rows(&facet_of, planes.len());
         let rows = [&*triangle_starts, &*triangles];
         let outlines = Outlines::new(positions, surface, &facet_of, rows, tolerance);

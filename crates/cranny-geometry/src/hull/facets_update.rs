@@ -20,7 +20,6 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::facets::{FacetLayer, Growth, Plane, UNASSIGNED};
 use super::outline::Region;
-use super::quickhull::HullSurface;
 use super::repair::Repaired;
 use super::shapes::{Shapes, bends_clearly};
 use super::support::SupportGraph;
@@ -73,7 +72,8 @@ impl FacetLayer {
             there.map(|t| moved.get(t).copied().unwrap_or(*t))
         };
         let first = gone.iter().flat_map(|&f| row(f)).chain(fresh.iter().copied()).collect();
-        let left = hanging_together(positions, surface, tolerance, first);
+        let is_open = |h: u32| !bends_clearly(positions, surface, tolerance, h);
+        let left: Vec<u32> = surface.hanging_together(first, is_open).into_iter().collect();
         gone.extend(left.iter().map(|&t| now[t as usize]).filter(|&f| f != UNASSIGNED));
         left.iter().for_each(|&t| now[t as usize] = UNASSIGNED);
         let shapes = Shapes::of_some(positions, surface, tolerance, &left);
@@ -122,28 +122,6 @@ fn sorted(members: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut all: Vec<u32> = members.collect();
     all.sort_unstable();
     all
-}
-
-/// Triangles, ascending: some, and those that hang together with them over edges that do not bend
-/// clearly.
-fn hanging_together(
-    positions: &[DVec3],
-    surface: &HullSurface,
-    tolerance: f64,
-    mut front: Vec<u32>,
-) -> Vec<u32> {
-    let mut region: BTreeSet<u32> = front.iter().copied().collect();
-    while let Some(t) = front.pop() {
-        for h in 3 * t..3 * t + 3 {
-            let beside = surface.twins[h as usize] / 3;
-            let is_open = || !bends_clearly(positions, surface, tolerance, h);
-            if !region.contains(&beside) && is_open() {
-                region.insert(beside);
-                front.push(beside);
-            }
-        }
-    }
-    region.into_iter().collect()
 }
 
 /// Of the rounding of heights, how far a vertex that holds a plane up may be below it: one is what

@@ -6,6 +6,7 @@
 use cranny_exact::{DVec3, Sign};
 
 use super::quickhull::{HullSurface, previous};
+use crate::each_once::each_once;
 
 /// What is flat of a surface.
 pub(super) struct Flat {
@@ -50,10 +51,8 @@ impl Flat {
                 ends.into_iter().for_each(|v| convex_edges[v as usize] += 1);
             }
         }
-        let mut vertices: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-        vertices.retain(|&v| convex_edges[v as usize] < 3);
-        vertices.sort_unstable();
-        vertices.dedup();
+        let corners = surface.triangles.iter().flatten().copied();
+        let vertices = each_once(corners.filter(|&v| convex_edges[v as usize] < 3));
         if vertices.is_empty() {
             edges.extend(put_off.into_iter().filter(|&h| edge_sign(h).is_zero()));
         }

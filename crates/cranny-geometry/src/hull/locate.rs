@@ -4,14 +4,12 @@
 //! To look at all triangles needs none: a point lies in a convex body where no triangle has it
 //! above. Cost: O(n) for that, and for a walk the triangles that it passes.
 
-use std::collections::BTreeSet;
-
 use cranny_exact::{Aabb, DVec3, Sign, orient3d};
 
-use super::quickhull::next;
 use super::side::Side;
-use super::span::{Projection, collinear};
+use super::span::axis_of_plane;
 use super::{ConvexHull, HullKind};
+use crate::projection::{collinear, turn};
 
 /// Where a point lies with respect to a hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -50,27 +48,18 @@ impl ConvexHull {
     /// anywhere.
     pub(crate) fn locate_from(&self, inside: DVec3, point: DVec3, start: u32) -> Option<Found> {
         let at = |v: u32| self.positions[v as usize];
-        let lies_beyond = |h: &u32| {
-            let (a, b) = (self.surface.origin(*h), self.surface.origin(next(*h)));
-            orient3d(inside, at(a), at(b), point) == Sign::Negative
+        let lies_beyond = |h: u32| {
+            let [a, b] = self.surface.ends(h).map(at);
+            orient3d(inside, a, b, point) == Sign::Negative
         };
-        let mut triangle = start;
-        let mut visited = BTreeSet::from([start]);
-        loop {
-            let out = (3 * triangle..3 * triangle + 3).filter(lies_beyond);
-            let mut across = out.map(|h| self.surface.twins[h as usize] / 3).peekable();
-            if across.peek().is_none() {
-                break;
-            }
-            triangle = across.find(|&next| visited.insert(next))?;
-        }
+        let (triangle, passed) = self.surface.walk(start, lies_beyond)?;
         let [a, b, c] = self.surface.triangles[triangle as usize].map(at);
         let location = match orient3d(a, b, c, point) {
             Sign::Positive => Location::Outside,
             Sign::Zero => Location::On,
             Sign::Negative => Location::Inside,
         };
-        Some(Found { location, triangle, passed: visited.len() })
+        Some(Found { location, triangle, passed })
     }
 
     /// Where a point lies: decided by exact signs. A point with a coordinate outside the
@@ -118,16 +107,16 @@ impl ConvexHull {
         let front_side = &self.surface.triangles[..self.triangle_count() / 2];
         let first = front_side[0].map(|v| self.positions[v as usize]);
         let [a, b, c] = first;
-        let Some(projection) = Projection::of_plane(first) else { return false };
+        let Some(axis) = axis_of_plane(first) else { return false };
         if !orient3d(a, b, c, point).is_zero() {
             return false;
         }
         front_side.iter().any(|triangle| {
             let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
-            let front = projection.turn(a, b, c);
+            let front = turn(axis, a, b, c);
             [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| {
-                let turn = projection.turn(from, to, point);
-                turn.is_zero() || turn == front
+                let side = turn(axis, from, to, point);
+                side.is_zero() || side == front
             })
         })
     }

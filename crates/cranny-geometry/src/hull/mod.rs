@@ -65,7 +65,7 @@ pub use facets::{FLATNESS, Facet, FacetId};
 pub use kind::HullKind;
 pub use locate::Location;
 use quickhull::{HullSurface, previous};
-use span::{Projection, Span};
+use span::Span;
 use support::SupportGraph;
 pub use update::FacetChange;
 pub(crate) use update::Followed;
@@ -197,13 +197,13 @@ impl ConvexHull {
 
     fn of_accepted(points: &[DVec3], flatness: f64) -> Self {
         let at = |i: u32| points[i as usize];
-        let (kind, surface, mut vertices) = match span::span_of(points) {
+        let (kind, mut surface, mut vertices) = match span::span_of(points) {
             Span::Empty => (HullKind::Empty, HullSurface::default(), vec![]),
             Span::Point(p) => (HullKind::Point, HullSurface::default(), vec![p]),
             Span::Line(ends) => (HullKind::Segment, HullSurface::default(), ends.to_vec()),
             Span::Plane(triangle) => {
-                let outline = Projection::of_plane(triangle.map(at))
-                    .map(|projection| span::planar_hull(points, projection))
+                let outline = span::axis_of_plane(triangle.map(at))
+                    .map(|axis| span::planar_hull(points, axis))
                     .unwrap_or_default();
                 (HullKind::Polygon, plate(&outline), outline)
             }
@@ -219,23 +219,19 @@ impl ConvexHull {
             }
         };
         vertices.sort_unstable();
-        Self::assemble(kind, points, &vertices, surface, flatness)
-    }
-
-    /// Renumbers the surface by `vertices` (sorted) and adds what is derived from it.
-    fn assemble(
-        kind: HullKind,
-        points: &[DVec3],
-        vertices: &[u32],
-        surface: HullSurface,
-        flatness: f64,
-    ) -> Self {
-        let (positions, surface) = update::renumbered(points, vertices, surface);
+        let mut number = vec![0; points.len()];
+        for (id, &v) in (0..).zip(&vertices) {
+            number[v as usize] = id;
+        }
+        for corner in surface.triangles.as_flattened_mut() {
+            *corner = number[*corner as usize];
+        }
+        let positions: Vec<DVec3> = vertices.iter().map(|&v| at(v)).collect();
         let graph = SupportGraph::new(&positions, &surface);
         let facets = FacetLayer::new(kind, &positions, &surface, &graph, flatness);
         Self {
             kind,
-            sources: vertices.iter().map(|&v| VertexId(v)).collect(),
+            sources: vertices.into_iter().map(VertexId).collect(),
             positions,
             surface,
             graph: Late::made(graph),

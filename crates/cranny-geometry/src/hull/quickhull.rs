@@ -30,6 +30,8 @@
 //! waited above them and the new triangles. In all O(n log n) on the clouds measured, as is usual
 //! for quickhull; no such bound holds at worst.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use cranny_exact::{Aabb, DVec3, Sign};
 
 use super::canonical::{TURNED, canonical, lowest_corner};
@@ -38,6 +40,7 @@ use super::flat::Flat;
 use super::side::Side;
 use super::sieve::outer_points;
 use super::span::{Span, span_of};
+use crate::each_once::each_once;
 
 const NONE: u32 = u32::MAX;
 
@@ -55,9 +58,7 @@ pub(super) struct HullSurface {
 pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> HullSurface {
     let (mut surface, mut flat) = triangulate(points, simplex);
     if !flat.vertices.is_empty() {
-        let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-        extreme.sort_unstable();
-        extreme.dedup();
+        let mut extreme = each_once(surface.triangles.iter().flatten().copied());
         extreme.retain(|v| flat.vertices.binary_search(v).is_err());
         (surface, flat) = of_subset(points, &extreme).unwrap_or((surface, flat));
     }
@@ -129,6 +130,41 @@ impl HullSurface {
             (next != first).then_some(next)
         };
         std::iter::successors(Some(first), around)
+    }
+
+    /// Some triangles, and all that hang together with them over half-edges that `joins` names.
+    pub(super) fn hanging_together(
+        &self,
+        mut front: Vec<u32>,
+        joins: impl Fn(u32) -> bool,
+    ) -> BTreeSet<u32> {
+        let mut region: BTreeSet<u32> = front.iter().copied().collect();
+        while let Some(t) = front.pop() {
+            for h in 3 * t..3 * t + 3 {
+                let beside = self.twins[h as usize] / 3;
+                if !region.contains(&beside) && joins(h) {
+                    region.insert(beside);
+                    front.push(beside);
+                }
+            }
+        }
+        region
+    }
+
+    /// Walks from a triangle across half-edges that `leads_out` names to one that none of its own
+    /// leads out of. Returns that triangle and how many it came to; `None` where it runs into
+    /// itself.
+    pub(super) fn walk(&self, start: u32, leads_out: impl Fn(u32) -> bool) -> Option<(u32, usize)> {
+        let mut triangle = start;
+        let mut visited = BTreeSet::from([start]);
+        loop {
+            let out = (3 * triangle..3 * triangle + 3).filter(|&h| leads_out(h));
+            let mut across = out.map(|h| self.twins[h as usize] / 3).peekable();
+            if across.peek().is_none() {
+                return Some((triangle, visited.len()));
+            }
+            triangle = across.find(|&next| visited.insert(next))?;
+        }
     }
 
     /// Start and end of a half-edge.
@@ -378,7 +414,7 @@ impl<'a> HullBuilder<'a> {
 
     /// The faces that are left, each from its lowest vertex on.
     fn into_surface(self) -> (HullSurface, Flat) {
-        let mut lowest = std::collections::BTreeMap::new();
+        let mut lowest = BTreeMap::new();
         for &(vertex, duplicate) in &self.duplicates {
             let least = lowest.entry(vertex).or_insert(duplicate);
             *least = duplicate.min(*least);

@@ -35,8 +35,8 @@ use self::filling::{fan_along, within};
 pub(super) use self::finish::Repaired;
 use super::ConvexHull;
 use super::canonical::lowest_corner;
-use super::quickhull::{HullSurface, hull_of_some, next, previous};
-use super::span::{Projection, Span, planar_hull, span_of};
+use super::quickhull::{HullSurface, hull_of_some, previous};
+use super::span::{Span, axis_of_plane, planar_hull, span_of};
 use crate::ids::VertexId;
 
 const NONE: u32 = u32::MAX;
@@ -189,7 +189,7 @@ impl<'a> HullRepair<'a> {
             Span::Space(_) => within(&hull_of_some(&places)?, &some, &rim)?,
             Span::Plane(triangle) => {
                 let triangle = triangle.map(|i| places[i as usize]);
-                let outline = planar_hull(&places, Projection::of_plane(triangle)?);
+                let outline = planar_hull(&places, axis_of_plane(triangle)?);
                 fan_along(&rim, outline.into_iter().map(|i| some[i as usize]).collect())?
             }
             _ => return None,
@@ -208,22 +208,12 @@ impl<'a> HullRepair<'a> {
     }
 
     /// Some triangles, and those that lie in one plane with one of them and hang together with it.
-    fn facets_of(&self, mut front: Vec<u32>) -> BTreeSet<u32> {
-        let mut region: BTreeSet<u32> = front.iter().copied().collect();
-        while let Some(t) = front.pop() {
-            for h in 3 * t..3 * t + 3 {
-                let twin = self.surface.twins[h as usize];
-                let is_flat = || {
-                    let apex = self.at(self.surface.origin(previous(twin)));
-                    self.side_of(self.surface.triangles[t as usize], apex) == Sign::Zero
-                };
-                if !region.contains(&(twin / 3)) && is_flat() {
-                    region.insert(twin / 3);
-                    front.push(twin / 3);
-                }
-            }
-        }
-        region
+    fn facets_of(&self, front: Vec<u32>) -> BTreeSet<u32> {
+        let is_flat = |h: u32| {
+            let apex = self.at(self.surface.origin(previous(self.surface.twins[h as usize])));
+            self.side_of(self.surface.triangles[h as usize / 3], apex) == Sign::Zero
+        };
+        self.surface.hanging_together(front, is_flat)
     }
 
     /// The edges of some triangles that lie between them and others, each with the half-edge
@@ -315,20 +305,11 @@ impl<'a> HullRepair<'a> {
             return same.is_none_or(is_first).then_some(seen);
         }
         let v = self.entered(point);
-        let mut visible = BTreeSet::from([seen]);
-        let mut front = vec![seen];
-        while let Some(t) = front.pop() {
-            for h in 3 * t..3 * t + 3 {
-                let twin = self.surface.twins[h as usize];
-                if visible.contains(&(twin / 3)) {
-                    continue;
-                }
-                if self.side_of(self.surface.triangles[twin as usize / 3], p) == Sign::Positive {
-                    visible.insert(twin / 3);
-                    front.push(twin / 3);
-                }
-            }
-        }
+        let is_seen = |h: u32| {
+            let beside = self.surface.twins[h as usize] / 3;
+            self.side_of(self.surface.triangles[beside as usize], p) == Sign::Positive
+        };
+        let visible = self.surface.hanging_together(vec![seen], is_seen);
         let horizon = self.edges_around(visible.iter().copied(), |t| visible.contains(&t));
         for &t in &visible {
             for corner in self.surface.triangles[t as usize] {
@@ -348,31 +329,18 @@ impl<'a> HullRepair<'a> {
     /// The triangle through which the ray from the middle towards a point leaves.
     fn triangle_towards(&self, p: DVec3, start: Option<u32>) -> Option<u32> {
         let any = || (0..self.surface.triangles.len() as u32).rev().find(|&t| self.is_alive(t));
-        let mut t = start.filter(|&t| self.is_alive(t)).or_else(any)?;
-        let mut visited = BTreeSet::from([t]);
-        loop {
-            let beyond = |h: &u32| self.lies_beyond(*h, p);
-            let out: Vec<u32> = (3 * t..3 * t + 3).filter(beyond).collect();
-            if out.is_empty() {
-                return Some(t);
-            }
-            let across = out.into_iter().map(|h| self.surface.twins[h as usize] / 3);
-            match across.into_iter().find(|next| !visited.contains(next)) {
-                Some(next) => t = next,
-                // The walk has run into itself.
-                None => break,
-            }
-            visited.insert(t);
-        }
+        let start = start.filter(|&t| self.is_alive(t)).or_else(any)?;
+        let found = self.surface.walk(start, |h| self.lies_beyond(h, p));
+        // Where the walk has run into itself, all are looked at.
         let holds =
             |&t: &u32| self.is_alive(t) && (3 * t..3 * t + 3).all(|h| !self.lies_beyond(h, p));
-        (0..self.surface.triangles.len() as u32).find(holds)
+        found.map(|(t, _)| t).or_else(|| (0..self.surface.triangles.len() as u32).find(holds))
     }
 
     /// Whether a point lies beyond the plane through the middle and a half-edge, seen from its
     /// triangle.
     fn lies_beyond(&self, h: u32, p: DVec3) -> bool {
-        let (a, b) = (self.at(self.surface.origin(h)), self.at(self.surface.origin(next(h))));
+        let [a, b] = self.surface.ends(h).map(|v| self.at(v));
         orient3d(self.middle, a, b, p) == Sign::Negative
     }
 }

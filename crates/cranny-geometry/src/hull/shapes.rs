@@ -8,6 +8,7 @@
 use cranny_exact::DVec3;
 
 use super::quickhull::HullSurface;
+use crate::each_once::each_once;
 
 /// What merging reads of each triangle.
 pub(super) struct Shapes {
@@ -60,9 +61,7 @@ impl Shapes {
         triangles: &[u32],
     ) -> Self {
         let beside = |t: u32| (3 * t..3 * t + 3).map(|h| surface.twins[h as usize] / 3);
-        let mut some: Vec<u32> = triangles.iter().flat_map(|&t| beside(t).chain([t])).collect();
-        some.sort_unstable();
-        some.dedup();
+        let some = each_once(triangles.iter().flat_map(|&t| beside(t).chain([t])));
         let mut shapes = Self {
             area_vectors: vec![DVec3::ZERO],
             areas: vec![0.0],
@@ -208,12 +207,5 @@ fn edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
 
 /// Which edge is the longest.
 fn longest(edges: &[DVec3; 3]) -> usize {
-    let [a, b, c] = edges.map(DVec3::length_squared);
-    if a >= b.max(c) {
-        0
-    } else if b >= c {
-        1
-    } else {
-        2
-    }
+    DVec3::from_array(edges.map(DVec3::length_squared)).max_position()
 }

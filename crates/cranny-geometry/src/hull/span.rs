@@ -6,9 +6,10 @@
 
 use std::cmp::Ordering;
 
-use cranny_exact::{DVec2, DVec3, Sign, orient2d, orient3d};
+use cranny_exact::{DVec3, Sign, orient2d, orient3d};
 
 use crate::polygon::lexicographic;
+use crate::projection::{collinear, seen_along, turn};
 
 /// Affinely independent points that span the set; indices into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,58 +109,17 @@ fn farthest(points: &[DVec3], few: [u32; 4], measure: impl Fn(DVec3) -> f64) -> 
     of_few.or_else(|| (0..points.len() as u32).fold((None, 0.0), largest).0)
 }
 
-/// Whether three points lie on a line: exact, since the three projected areas are the components of
-/// the cross product.
-pub(super) fn collinear(a: DVec3, b: DVec3, c: DVec3) -> bool {
-    Projection::ALL.iter().all(|drop| drop.turn(a, b, c).is_zero())
+/// An axis along which the plane of three points is seen one to one: the one nearest its normal if
+/// that will do. `None` where the points are collinear.
+pub(super) fn axis_of_plane([a, b, c]: [DVec3; 3]) -> Option<usize> {
+    let preferred = (b - a).cross(c - a).abs().max_position();
+    [preferred, 0, 1, 2].into_iter().find(|&axis| !turn(axis, a, b, c).is_zero())
 }
 
-/// A projection along a coordinate axis; it keeps the handedness of the other two.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Projection {
-    /// Onto (y, z).
-    AlongX,
-    /// Onto (z, x).
-    AlongY,
-    /// Onto (x, y).
-    AlongZ,
-}
-
-impl Projection {
-    const ALL: [Self; 3] = [Self::AlongX, Self::AlongY, Self::AlongZ];
-
-    /// A projection under which the triangle keeps an area, and so under which its plane maps one
-    /// to one: the axis nearest the normal if it will do. `None` where the points are collinear.
-    pub(super) fn of_plane([a, b, c]: [DVec3; 3]) -> Option<Self> {
-        let n = (b - a).cross(c - a).abs();
-        let preferred = if n.x >= n.y.max(n.z) {
-            Self::AlongX
-        } else if n.y >= n.z {
-            Self::AlongY
-        } else {
-            Self::AlongZ
-        };
-        [preferred].into_iter().chain(Self::ALL).find(|drop| !drop.turn(a, b, c).is_zero())
-    }
-
-    fn apply(self, p: DVec3) -> DVec2 {
-        match self {
-            Self::AlongX => DVec2::new(p.y, p.z),
-            Self::AlongY => DVec2::new(p.z, p.x),
-            Self::AlongZ => DVec2::new(p.x, p.y),
-        }
-    }
-
-    /// Which way the projected points turn: exact.
-    pub(super) fn turn(self, a: DVec3, b: DVec3, c: DVec3) -> Sign {
-        orient2d(self.apply(a), self.apply(b), self.apply(c))
-    }
-}
-
-/// The extreme points of a coplanar set, counter-clockwise under `projection`: Andrew's monotone
+/// The extreme points of a coplanar set, counter-clockwise seen along `axis`: Andrew's monotone
 /// chain (1979) on exact turns. Strict corners only; of coincident points the lowest index.
-pub(super) fn planar_hull(points: &[DVec3], projection: Projection) -> Vec<u32> {
-    let flat = |i: u32| projection.apply(points[i as usize]);
+pub(super) fn planar_hull(points: &[DVec3], axis: usize) -> Vec<u32> {
+    let flat = |i: u32| seen_along(axis, points[i as usize]);
     let by = |x: f64, y: f64| x.partial_cmp(&y).unwrap_or(Ordering::Equal);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     order.sort_by(|&i, &j| {
@@ -167,9 +127,7 @@ pub(super) fn planar_hull(points: &[DVec3], projection: Projection) -> Vec<u32> 
         by(p.x, q.x).then(by(p.y, q.y)).then(i.cmp(&j))
     });
     order.dedup_by(|later, kept| flat(*later) == flat(*kept));
-    let turn = |a: u32, b: u32, c: u32| {
-        projection.turn(points[a as usize], points[b as usize], points[c as usize])
-    };
+    let turn = |a: u32, b: u32, c: u32| orient2d(flat(a), flat(b), flat(c));
     let chain = |indices: &mut dyn Iterator<Item = u32>| {
         let mut chain: Vec<u32> = Vec::new();
         for i in indices {
@@ -218,8 +176,8 @@ mod tests {
                 }
             }
         }
-        let drop = Projection::of_plane([points[0], points[3], points[12]]).unwrap();
-        let mut outline = planar_hull(&points, drop);
+        let axis = axis_of_plane([points[0], points[3], points[12]]).unwrap();
+        let mut outline = planar_hull(&points, axis);
         outline.sort_unstable();
         assert_eq!(outline, [0, 3, 12, 15]);
     }

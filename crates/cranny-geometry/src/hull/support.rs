@@ -172,14 +172,7 @@ impl SupportGraph {
     }
 
     fn seed(&self, direction: DVec3) -> HullVertexId {
-        let d = direction.abs();
-        let axis = if d.x >= d.y.max(d.z) {
-            0
-        } else if d.y >= d.z {
-            1
-        } else {
-            2
-        };
+        let axis = direction.abs().max_position();
         self.seeds[2 * axis + usize::from(direction[axis] > 0.0)]
     }
 

@@ -16,7 +16,8 @@ use super::facets::FacetLayer;
 use super::quickhull::hull_of_some;
 use super::repair::{HullRepair, Repaired};
 use super::support::SupportGraph;
-use super::{ConvexHull, HullKind, HullSurface, Leaving};
+use super::{ConvexHull, HullKind, Leaving};
+use crate::each_once::each_once;
 use crate::ids::VertexId;
 use crate::late::Late;
 
@@ -81,10 +82,7 @@ impl ConvexHull {
             return Followed { hull, facets, triangles, measured, inside };
         };
         let Repaired { positions, surface, leaving, numbering, fresh, .. } = &repaired;
-        let mut touched: Vec<u32> =
-            fresh.iter().flat_map(|&t| surface.triangles[t as usize]).collect();
-        touched.sort_unstable();
-        touched.dedup();
+        let touched = each_once(fresh.iter().flat_map(|&t| surface.triangles[t as usize]));
         let new_bounds = Aabb::of_points(positions.iter().copied());
         let same_box = new_bounds == bounds;
         let graph =
@@ -131,22 +129,6 @@ impl ConvexHull {
         }
         Some(repair.finish())
     }
-}
-
-/// The places of some points, and a surface over these.
-pub(super) fn renumbered(
-    points: &[DVec3],
-    vertices: &[u32],
-    mut surface: HullSurface,
-) -> (Vec<DVec3>, HullSurface) {
-    let mut local = vec![0; points.len()];
-    for (id, &v) in vertices.iter().enumerate() {
-        local[v as usize] = id as u32;
-    }
-    for corner in surface.triangles.iter_mut().flatten() {
-        *corner = local[*corner as usize];
-    }
-    (vertices.iter().map(|&v| points[v as usize]).collect(), surface)
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use cranny_exact::{DVec3, Sign};
 
 use super::flat::{Flat, edge_sign};
-use super::span::collinear;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId, Location};
 use crate::ids::{HalfEdgeId, VertexId};
+use crate::projection::collinear;
 
 /// An invariant that does not hold.
 #[derive(Clone, Copy, Debug, PartialEq)]

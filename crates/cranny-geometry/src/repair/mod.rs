@@ -20,6 +20,7 @@ mod subdivide;
 
 use cranny_exact::DVec3;
 
+use crate::each_once::each_once;
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::near::foot;
@@ -169,10 +170,7 @@ impl WorkingMesh {
 
     /// The filed faces of some faces: ascending, each once.
     fn filed_ids(&self, faces: &[FaceId]) -> Vec<u32> {
-        let mut ids: Vec<u32> = faces.iter().map(|f| self.origin[f.index()].0).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        ids
+        each_once(faces.iter().map(|f| self.origin[f.index()].0))
     }
 }
 
@@ -189,15 +187,9 @@ struct Cover {
 
 impl Cover {
     fn of(faces: impl Iterator<Item = [u32; 3]>) -> Self {
-        let mut edges: Vec<(u32, u32)> = faces
-            .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
-            .map(|(a, b)| (a.min(b), a.max(b)))
-            .collect();
-        edges.sort_unstable();
-        edges.dedup();
-        let mut vertices: Vec<u32> = edges.iter().flat_map(|&(a, b)| [a, b]).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let edges = faces.flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+        let edges = each_once(edges.map(|(a, b)| (a.min(b), a.max(b))));
+        let vertices = each_once(edges.iter().flat_map(|&(a, b)| [a, b]));
         Self { edges, vertices }
     }
 
@@ -257,16 +249,14 @@ fn splits(
     records: &mut Vec<RepairRecord>,
 ) -> Splits {
     let topology = Topology::of(mesh);
-    let mut wanted: Vec<(EdgeId, VertexId)> = (0..mesh.faces().len() as u32)
-        .filter_map(|f| middle_corner(mesh, &topology, FaceId(f)))
-        .collect();
+    let mut wanted: Vec<(EdgeId, VertexId)> =
+        mesh.face_ids().filter_map(|f| middle_corner(mesh, &topology, f)).collect();
     if topology.edges().iter().any(|e| !e.kind.is_balanced()) {
         let tree = FaceTree::of(mesh, 1);
         let found = cracks::t_vertices(mesh, &topology, &tree, weld_distance);
         wanted.extend(found.iter().map(|t| (t.edge, t.vertex)));
     }
-    wanted.sort_unstable();
-    wanted.dedup();
+    let mut wanted = each_once(wanted);
 
     let off_edge = |edge: EdgeId, vertex: VertexId| {
         let off_side = |h: &HalfEdgeId| {
@@ -308,10 +298,8 @@ fn splits(
         splits.insert(from, to, inside);
     }
     if !splits.is_empty() {
-        faces.sort_unstable();
-        faces.dedup();
         let record = RepairRecord::new(RepairKind::SplitEdges, count);
-        records.push(RepairRecord { faces, moved, ..record });
+        records.push(RepairRecord { faces: each_once(faces), moved, ..record });
     }
     splits
 }

@@ -8,14 +8,14 @@ use cranny_exact::DVec3;
 use super::turns::Turn;
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
-use crate::near::on_line;
+use crate::projection::collinear;
 use crate::report::{Finding, FindingKind};
 use crate::topology::Topology;
 
 /// Whether the corners of a face lie on a line or in a point, exactly.
 pub(crate) fn has_no_area(mesh: &Mesh, face: FaceId) -> bool {
     let [a, b, c] = mesh.triangle(face);
-    on_line(c, a, b)
+    collinear(a, b, c)
 }
 
 /// What is read of each face by itself, in one pass.

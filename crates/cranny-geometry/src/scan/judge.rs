@@ -17,6 +17,7 @@ use cranny_exact::{
 
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
+use crate::projection::seen_along;
 use crate::report::FindingKind;
 
 /// How two faces with area meet, apart from what they share by right. Not called for faces that
@@ -115,7 +116,7 @@ fn apart_but_for_corner(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     }
     let mut axes = axis.map_or(0..3, |axis| axis..axis + 1);
     axes.any(|axis| {
-        let [a, b] = both.map(|t| t.map(|p| without(p, axis)));
+        let [a, b] = both.map(|t| t.map(|p| seen_along(axis, p)));
         wedge_parted(&a, &b) || wedge_parted(&b, &a)
     })
 }
@@ -125,7 +126,7 @@ fn apart_but_for_corner(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
 /// surface, and signs in a plane are quicker than those in space, by far where faces are coplanar.
 fn seen_apart(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let axis = dominant_axis(a);
-    let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
+    let [a, b] = [a, b].map(|t| t.map(|p| seen_along(axis, p)));
     wedge_parted(&a, &b) || wedge_parted(&b, &a)
 }
 
@@ -133,7 +134,7 @@ fn seen_apart(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
 /// nearest the normal of the first.
 fn seen_parted(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let axis = dominant_axis(a);
-    let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
+    let [a, b] = [a, b].map(|t| t.map(|p| seen_along(axis, p)));
     let beyond = |a: &[DVec2; 3], b: &[DVec2; 3]| {
         let turn = orient2d(a[0], a[1], a[2]);
         let outside =
@@ -161,14 +162,7 @@ fn parted_across(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
 
 fn longest_side(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let sides = [b - a, c - b, a - c];
-    let [x, y, z] = sides.map(DVec3::length_squared);
-    if x >= y && x >= z {
-        sides[0]
-    } else if y >= z {
-        sides[1]
-    } else {
-        sides[2]
-    }
+    sides[DVec3::from_array(sides.map(DVec3::length_squared)).max_position()]
 }
 
 /// Whether two triangles that share a side lie on either side of it, seen along the axis nearest
@@ -178,7 +172,7 @@ fn seen_beside(a: &[DVec3; 3], b: &[DVec3; 3], apex: usize) -> bool {
     let Some(own) = a.iter().position(|p| !b.contains(p)) else { return false };
     let axis = dominant_axis(a);
     let [p, q, own, other] =
-        [a[(own + 1) % 3], a[(own + 2) % 3], a[own], b[apex]].map(|p| without(p, axis));
+        [a[(own + 1) % 3], a[(own + 2) % 3], a[own], b[apex]].map(|p| seen_along(axis, p));
     let side = orient2d(p, q, own);
     !side.is_zero() && orient2d(p, q, other) == side.flipped()
 }
@@ -194,10 +188,6 @@ fn wedge_parted(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
     let turn = orient2d(a[0], a[1], a[2]);
     let beyond = |p, q| (1..3).all(|i| orient2d(p, q, b[i]) == turn.flipped());
     !turn.is_zero() && (beyond(a[0], a[1]) || beyond(a[2], a[0]))
-}
-
-pub(super) fn without(p: DVec3, axis: usize) -> DVec2 {
-    DVec2::new(p[(axis + 1) % 3], p[(axis + 2) % 3])
 }
 
 /// What to call it when two faces meet elsewhere than they may.
@@ -216,7 +206,7 @@ fn kind_of(meeting: Meeting, a: &[DVec3; 3], b: &[DVec3; 3]) -> FindingKind {
 /// the other on its outer side (rims included). Exact.
 pub(super) fn overlap_in_plane(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     for axis in 0..3 {
-        let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
+        let [a, b] = [a, b].map(|t| t.map(|p| seen_along(axis, p)));
         let turn = orient2d(a[0], a[1], a[2]);
         if !turn.is_zero() {
             return !parted(&a, &b, turn) && !parted(&b, &a, orient2d(b[0], b[1], b[2]));

@@ -22,6 +22,7 @@ use super::pairs::overlapping_pairs;
 use super::stars::Stars;
 use super::turns::Turn;
 use super::views::Views;
+use crate::each_once::each_once;
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind, MeetingScan};
@@ -81,17 +82,15 @@ pub(super) fn meetings(
     (findings(mesh, found), scan)
 }
 
-fn findings(mesh: &Mesh, mut found: Vec<(FindingKind, [FaceId; 2])>) -> Vec<Finding> {
-    found.sort_unstable();
-    // Two crowds may have two faces in common.
-    found.dedup();
+fn findings(mesh: &Mesh, found: Vec<(FindingKind, [FaceId; 2])>) -> Vec<Finding> {
     let finding = |(kind, pair): (FindingKind, [FaceId; 2])| {
         let [a, b] = pair.map(|f| Aabb::of_points(mesh.triangle(f)));
         let common = Aabb { min: a.min.max(b.min), max: a.max.min(b.max) };
         let ids = pair.map(|f| f.0).to_vec();
         Finding { kind, ids, at: common.center(), measure: common.diagonal(), count: 1 }
     };
-    found.into_iter().map(finding).collect()
+    // Two crowds may have two faces in common.
+    each_once(found).into_iter().map(finding).collect()
 }
 
 #[cfg(test)]

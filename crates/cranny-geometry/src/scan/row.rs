@@ -6,6 +6,7 @@
 
 use cranny_exact::{Aabb, DVec3};
 
+use crate::each_once::each_once;
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
 use crate::near::corners_near;
@@ -32,7 +33,7 @@ pub(super) struct Row {
 impl Row {
     /// The row in which what lies within a distance is looked for.
     pub(super) fn of(mesh: &Mesh, distance: f64, among: impl Fn(VertexId) -> bool) -> Self {
-        let vertices = (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| among(v));
+        let vertices = mesh.vertex_ids().filter(|&v| among(v));
         let mut order: Vec<(f64, VertexId)> =
             vertices.map(|v| (ALONG.dot(mesh.position(v)), v)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -49,10 +50,7 @@ impl Row {
     pub(super) fn close(&self) -> Vec<VertexId> {
         let near = |pair: &&[(f64, VertexId)]| pair[1].0 - pair[0].0 <= self.reach;
         let pairs = self.order.windows(2).filter(near);
-        let mut close: Vec<VertexId> = pairs.flat_map(|pair| [pair[0].1, pair[1].1]).collect();
-        close.sort_unstable();
-        close.dedup();
-        close
+        each_once(pairs.flat_map(|pair| [pair[0].1, pair[1].1]))
     }
 
     pub(super) fn holds(&self, v: VertexId) -> bool {

@@ -5,9 +5,9 @@
 
 use cranny_exact::{DVec2, DVec3, orient2d};
 
-use super::judge::without;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
+use crate::projection::seen_along;
 use crate::topology::Topology;
 
 /// How the faces at a vertex hang together.
@@ -36,7 +36,7 @@ pub(super) struct Stars<'a> {
 impl<'a> Stars<'a> {
     /// O(n).
     pub(super) fn of(mesh: &'a Mesh, topology: &'a Topology) -> Self {
-        let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+        let vertices = mesh.vertex_ids();
         let all_rings = are_rings(mesh, topology);
         let is_ring = |v| all_rings || walk(mesh, topology, v, |_| ());
         let star = |v| if is_ring(v) { Star::Ring } else { Star::Torn };
@@ -129,7 +129,7 @@ fn is_spread(mesh: &Mesh, vertex: VertexId, ring: &[VertexId]) -> bool {
     };
     let normal: DVec3 = sides().map(|(p, q)| (p - middle).cross(q - middle)).sum();
     let axis = normal.abs().max_position();
-    let center = without(middle, axis);
+    let center = seen_along(axis, middle);
     // Below the vertex, or level with it and behind: half of all directions.
     let is_below = |p: DVec2| p.y < center.y || (p.y == center.y && p.x < center.x);
     let mut turn = None;
@@ -137,7 +137,7 @@ fn is_spread(mesh: &Mesh, vertex: VertexId, ring: &[VertexId]) -> bool {
     // often than the ring comes around.
     let mut descents = 0;
     for (p, q) in sides() {
-        let [p, q] = [p, q].map(|p| without(p, axis));
+        let [p, q] = [p, q].map(|p| seen_along(axis, p));
         let sign = orient2d(center, p, q);
         if sign.is_zero() || *turn.get_or_insert(sign) != sign {
             return false;
@@ -247,7 +247,7 @@ mod tests {
             let mesh = Mesh::new((0..used.len() as u32).map(point).collect(), faces).unwrap();
             let topology = Topology::of(&mesh);
             assert!(topology.is_closed());
-            let mut vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+            let mut vertices = mesh.vertex_ids();
             let all = vertices.all(|v| walk(&mesh, &topology, v, |_| ()));
             assert_eq!((are_rings(&mesh, &topology), all), (known, known || used.len() == 16));
             // A vertex that no face names makes up for no ring.

@@ -13,6 +13,7 @@ use std::cell::Cell;
 use cranny_exact::{DVec2, Sign, orient2d};
 
 use super::sweep::{Layer, Segment, Swept, sweep};
+use crate::each_once::each_once;
 
 /// How many triangles may be looked at per site, on average. Fewer, and chains with many crossings
 /// get fans where local detours were possible; more, and an all-crossing chain takes time and
@@ -146,9 +147,7 @@ impl Path {
 
     /// Triangles whose boundary is the segment minus its detour. `O(p log p)` for `p` sites.
     pub(super) fn filling(&self, positions: &[DVec2]) -> Option<Vec<Layer>> {
-        let mut sites = self.sites.clone();
-        sites.sort_unstable();
-        sites.dedup();
+        let sites = each_once(self.sites.iter().copied());
         let local = |s: u32| sites.partition_point(|&t| t < s) as u32;
         let inside = |s: Segment| Segment { left: local(s.left), right: local(s.right), ..s };
         let back = self.segments().map(|s| Segment { count: -s.count, ..s });

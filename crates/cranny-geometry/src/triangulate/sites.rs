@@ -6,6 +6,8 @@ use std::cmp::Ordering;
 
 use cranny_exact::{DVec2, check_point};
 
+use crate::each_once::each_once;
+
 /// Places sorted by x, then y, and which vertices lie at each.
 pub(super) struct Sites {
     /// The vertices in use, ascending.
@@ -19,9 +21,8 @@ pub(super) struct Sites {
 
 impl Sites {
     /// Nothing if a vertex has no point, or one outside the domain.
-    pub(super) fn new(points: &[DVec2], mut vertices: Vec<u32>) -> Option<Self> {
-        vertices.sort_unstable();
-        vertices.dedup();
+    pub(super) fn new(points: &[DVec2], vertices: Vec<u32>) -> Option<Self> {
+        let vertices = each_once(vertices);
         let mut order = Vec::with_capacity(vertices.len());
         for (rank, &v) in vertices.iter().enumerate() {
             let p = *points.get(v as usize)?;

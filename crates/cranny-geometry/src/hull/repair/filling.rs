@@ -16,21 +16,14 @@ pub(super) fn within(
     let ends = |h: u32| surface.ends(h).map(|v| some[v as usize]);
     let edges: BTreeSet<[u32; 2]> = rim.iter().map(|&(from, to, _)| [from, to]).collect();
     let half_edges = 0..surface.twins.len() as u32;
-    let mut front: Vec<u32> = half_edges.filter(|&h| edges.contains(&ends(h))).collect();
+    let on_rim = half_edges.filter(|&h| edges.contains(&ends(h)));
+    let front: Vec<u32> = on_rim.map(|h| h / 3).collect();
     if front.len() < edges.len() {
         return None;
     }
-    let mut seen = BTreeSet::new();
-    while let Some(h) = front.pop() {
-        if seen.insert(h / 3) {
-            let own = 3 * (h / 3)..3 * (h / 3) + 3;
-            let inner = own.filter(|&h| !edges.contains(&ends(h)));
-            front.extend(inner.map(|h| surface.twins[h as usize]));
-        }
-    }
-    Some(
-        seen.into_iter().map(|t| surface.triangles[t as usize].map(|v| some[v as usize])).collect(),
-    )
+    let inside = surface.hanging_together(front, |h| !edges.contains(&ends(h)));
+    let corners = |t: u32| surface.triangles[t as usize].map(|v| some[v as usize]);
+    Some(inside.into_iter().map(corners).collect())
 }
 
 /// Triangles over a convex outline in a plane, turned so that they fit into a link; `None` where

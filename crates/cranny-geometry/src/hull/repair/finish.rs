@@ -11,9 +11,9 @@ use cranny_exact::{DVec3, Sign};
 use super::super::canonical::halved;
 use super::super::numbering::Numbering;
 use super::super::quickhull::{HullSurface, previous};
-use super::super::span::collinear;
 use super::{HullRepair, NONE};
 use crate::ids::VertexId;
+use crate::projection::collinear;
 use crate::rows::compaction_moves;
 
 /// A surface that follows another one. Triangles that are there still have the numbers that they
