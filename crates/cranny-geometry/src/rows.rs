@@ -9,6 +9,12 @@ use std::ops::Range;
 /// In a list of owners: nobody.
 pub const NOBODY: u32 = u32::MAX;
 
+/// Where the members of row `i` stand, given where rows begin.
+#[inline]
+pub fn row(starts: &[u32], i: usize) -> Range<usize> {
+    starts[i] as usize..starts[i + 1] as usize
+}
+
 /// Where the row of each of `count` owners begins, and one more, where the last ends; and the
 /// members, ascending within each row. `owners` names the owner of each member; those of [`NOBODY`]
 /// are left out.
@@ -107,13 +113,13 @@ pub(crate) fn overwritten<T: Copy>(
     count: usize,
     changed: &BTreeMap<u32, Vec<T>>,
 ) -> (Vec<u32>, Vec<T>) {
-    let old = |row: u32| starts[row as usize] as usize..starts[row as usize + 1] as usize;
-    let fits = |(&row, new): (&u32, &Vec<T>)| old(row).len() == new.len();
+    let old = |i: u32| row(&starts, i as usize);
+    let fits = |(&i, new): (&u32, &Vec<T>)| old(i).len() == new.len();
     if starts.len() != count + 1 || !changed.iter().all(fits) {
         return replaced(&starts, &members, count, changed, |m| m);
     }
-    for (&row, new) in changed {
-        members[old(row)].copy_from_slice(new);
+    for (&i, new) in changed {
+        members[old(i)].copy_from_slice(new);
     }
     (starts, members)
 }

@@ -21,6 +21,7 @@ mod vertices;
 use crate::ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::late::Late;
 use crate::mesh::Mesh;
+use crate::rows::row;
 use components::components;
 use edges::{Edges, sorted_half_edges};
 use vertices::VertexFaces;
@@ -99,6 +100,13 @@ impl Topology {
         (0..self.edges.len() as u32).map(EdgeId)
     }
 
+    /// The edge between two vertices, the lesser first. O(log n) for n edges.
+    #[must_use]
+    pub fn edge_between(&self, ends: [VertexId; 2]) -> Option<EdgeId> {
+        let found = self.edges.binary_search_by_key(&ends, |e| [e.from, e.to]);
+        found.ok().map(|e| EdgeId(e as u32))
+    }
+
     /// The two half-edges of each edge, where every edge is a manifold one between two vertices.
     #[must_use]
     pub fn pairs(&self) -> Option<&[[HalfEdgeId; 2]]> {
@@ -120,7 +128,7 @@ impl Topology {
         if self.is_paired {
             return &self.around[2 * edge..2 * edge + 2];
         }
-        &self.around[self.starts[edge] as usize..self.starts[edge + 1] as usize]
+        &self.around[row(&self.starts, edge)]
     }
 
     /// The half-edge along the same manifold edge, in the other direction.

@@ -20,8 +20,6 @@
 
 mod planes;
 
-use std::ops::Range;
-
 use cranny_exact::{Aabb, DVec3};
 
 use self::planes::unit;
@@ -30,7 +28,7 @@ use super::quickhull::{HullSurface, previous};
 use super::shapes::Shapes;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
-use crate::rows::rows;
+use crate::rows::{row, rows};
 use crate::typed_index;
 
 /// The default tolerance of merging, relative to the largest coordinate magnitude, with which
@@ -126,10 +124,9 @@ impl FacetLayer {
 
     pub(super) fn facet(&self, facet: FacetId) -> Facet<'_> {
         let Plane { normal, offset, thickness } = self.planes[facet.index()];
-        let starts = &self.triangle_starts[facet.index()..];
-        let row: Range<usize> = starts[0] as usize..starts[1] as usize;
+        let triangles = &self.triangles[row(&self.triangle_starts, facet.index())];
         let (corners, neighbours) = self.outlines.of(facet);
-        Facet { normal, offset, thickness, corners, neighbours, triangles: &self.triangles[row] }
+        Facet { normal, offset, thickness, corners, neighbours, triangles }
     }
 }
 

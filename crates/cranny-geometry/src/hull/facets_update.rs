@@ -24,7 +24,7 @@ use super::repair::Repaired;
 use super::shapes::{Shapes, bends_clearly};
 use super::support::SupportGraph;
 use super::update::FacetChange;
-use crate::rows::{compaction_moves, overwritten};
+use crate::rows::{compaction_moves, overwritten, row};
 
 impl FacetLayer {
     /// The facets of a repaired surface; `touched` are the corners of new triangles, ascending.
@@ -66,9 +66,9 @@ impl FacetLayer {
         };
         gone.extend((0..).zip(&planes).filter(|(_, p)| !is_free(p)).map(|(f, _)| f));
         let row = |f: u32| {
-            let row =
-                triangle_starts[f as usize] as usize..triangle_starts[f as usize + 1] as usize;
-            let there = triangles[row].iter().filter(|t| dead.binary_search(t).is_err());
+            let there = triangles[row(&triangle_starts, f as usize)]
+                .iter()
+                .filter(|t| dead.binary_search(t).is_err());
             there.map(|t| moved.get(t).copied().unwrap_or(*t))
         };
         let first = gone.iter().flat_map(|&f| row(f)).chain(fresh.iter().copied()).collect();

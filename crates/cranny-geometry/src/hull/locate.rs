@@ -146,7 +146,7 @@ mod tests {
                 let found = hull.locate_from(inside, p, start).unwrap();
                 assert_eq!(found.location, expected, "{p} from {start}");
                 if expected == Location::On {
-                    let corners = hull.triangle(found.triangle as usize).map(|v| hull.position(v));
+                    let corners = hull.corners(found.triangle as usize);
                     let is_corner = hull.positions().contains(&p);
                     assert_eq!(corners.contains(&p), is_corner, "{p} from {start}");
                 }

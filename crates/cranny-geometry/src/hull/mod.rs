@@ -308,6 +308,16 @@ impl ConvexHull {
         self.surface.triangles[triangle].map(HullVertexId)
     }
 
+    /// Where the corners of a triangle are.
+    ///
+    /// # Panics
+    ///
+    /// Where there is no such triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.surface.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+
     /// All triangles as indices into the input points.
     pub fn source_triangles(&self) -> impl ExactSizeIterator<Item = [VertexId; 3]> + '_ {
         self.surface.triangles.iter().map(|t| t.map(|v| self.sources[v as usize]))

@@ -15,7 +15,7 @@ use super::HullVertexId;
 use super::facets::FacetId;
 use super::numbering::Numbering;
 use super::quickhull::{HullSurface, next};
-use crate::rows::{overwritten, replaced};
+use crate::rows::{overwritten, replaced, row};
 
 /// Corners and neighbours of all facets, in compressed rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,9 +37,8 @@ impl Outlines {
         if facets == surface.triangles.len() && facets > 2 {
             return Self::of_triangles(surface, facet_of, triangles);
         }
-        let row =
-            |f: usize| &triangles[triangle_starts[f] as usize..triangle_starts[f + 1] as usize];
-        let loops = Loops::new(surface, facet_of, (0..facets).map(row));
+        let rows = (0..facets).map(|f| &triangles[row(triangle_starts, f)]);
+        let loops = Loops::new(surface, facet_of, rows);
         let mut is_corner = loops.meeting_points(positions.len());
         for facet in 0..facets {
             loops.simplify(facet, surface, positions, tolerance, &mut is_corner);
@@ -132,7 +131,7 @@ impl Outlines {
     }
 
     pub(super) fn of(&self, facet: FacetId) -> (&[HullVertexId], &[FacetId]) {
-        let row = self.starts[facet.index()] as usize..self.starts[facet.index() + 1] as usize;
+        let row = row(&self.starts, facet.index());
         (&self.corners[row.clone()], &self.neighbours[row])
     }
 }
@@ -161,7 +160,7 @@ struct FacetOutline {
 impl Region<'_> {
     fn triangles(&self, facet: u32) -> &[u32] {
         let [starts, triangles] = self.rows;
-        &triangles[starts[facet as usize] as usize..starts[facet as usize + 1] as usize]
+        &triangles[row(starts, facet as usize)]
     }
 
     /// Some facets and all that share a vertex with one of them.
@@ -247,7 +246,7 @@ impl<'a> Loops<'a> {
 
     /// The half-edges around a facet, and where each begins.
     fn of(&self, facet: usize) -> (&[u32], &[u32]) {
-        let row = self.starts[facet] as usize..self.starts[facet + 1] as usize;
+        let row = row(&self.starts, facet);
         (&self.half_edges[row.clone()], &self.vertices[row])
     }
 

@@ -24,7 +24,7 @@ use cranny_exact::{Aabb, DVec3};
 use super::HullVertexId;
 use super::numbering::Numbering;
 use super::quickhull::{HullSurface, next};
-use crate::rows::{Piece, joined, rows};
+use crate::rows::{Piece, joined, row, rows};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
 /// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus
@@ -75,13 +75,13 @@ impl SupportGraph {
         bounds: &Aabb,
         same_box: bool,
     ) -> Self {
-        let row = |&v: &u32| {
+        let sorted = |&v: &u32| {
             let around = surface.spokes(leaving[v as usize]);
             let mut row: Vec<_> = around.map(|h| HullVertexId(surface.ends(h)[1])).collect();
             row.sort_unstable();
             row
         };
-        let rows: Vec<Vec<HullVertexId>> = touched.iter().map(row).collect();
+        let rows: Vec<Vec<HullVertexId>> = touched.iter().map(sorted).collect();
         let mut pieces = Vec::new();
         let mut new = touched.iter().zip(&rows).peekable();
         let mut first = 0;
@@ -121,8 +121,7 @@ impl SupportGraph {
     }
 
     pub(super) fn neighbours(&self, vertex: HullVertexId) -> &[HullVertexId] {
-        let row = self.starts[vertex.index()] as usize..self.starts[vertex.index() + 1] as usize;
-        &self.neighbours[row]
+        &self.neighbours[row(&self.starts, vertex.index())]
     }
 
     /// Bounds the rounding of `direction · v` over all vertices: three products and two sums, at
@@ -231,8 +230,7 @@ fn sort_rows(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
     let mut fill = starts[..vertices].to_vec();
     let mut is_repeated = false;
     for from in 0..vertices {
-        let row = starts[from] as usize..starts[from + 1] as usize;
-        for to in &neighbours[row] {
+        for to in &neighbours[row(starts, from)] {
             let place = fill[to.index()] as usize;
             fill[to.index()] += 1;
             sorted[place] = HullVertexId(from as u32);

@@ -30,7 +30,7 @@ pub use self::cone::NormalCone;
 use self::cone::{Measured, Normal, Normals};
 use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
-use crate::rows::rows;
+use crate::rows::{row, rows};
 use crate::topology::Topology;
 use crate::tree::Mates;
 
@@ -74,7 +74,7 @@ impl Lists {
     }
 
     fn get(&self, patch: usize) -> &[FaceId] {
-        &self.faces[self.starts[patch] as usize..self.starts[patch + 1] as usize]
+        &self.faces[row(&self.starts, patch)]
     }
 }
 

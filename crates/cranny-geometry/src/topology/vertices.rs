@@ -3,7 +3,7 @@
 use super::Topology;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
-use crate::rows::rows;
+use crate::rows::{row, rows};
 
 /// The faces of each vertex in its row.
 #[derive(Clone, Debug)]
@@ -35,8 +35,7 @@ impl VertexFaces {
     /// Those of one vertex, by ascending id.
     #[inline]
     pub(super) fn at(&self, vertex: VertexId) -> &[FaceId] {
-        let v = vertex.index();
-        &self.faces[self.starts[v] as usize..self.starts[v + 1] as usize]
+        &self.faces[row(&self.starts, vertex.index())]
     }
 }
 
