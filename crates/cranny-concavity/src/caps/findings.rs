@@ -8,26 +8,19 @@ use cranny_exact::DVec3;
 
 use super::CapSurface;
 use crate::ids::CapId;
-use cranny_geometry::Mesh;
-use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId, HullKind};
-use cranny_geometry::{Finding, FindingKind};
+use cranny_geometry::{Finding, FindingKind, Mesh, Model, VertexId, each_once};
 
 impl CapSurface {
     /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each
     /// group of facets with such caps that is crossed, and for a closed body that is no thicker
     /// than slabs. O(n), and the square of the facets reported.
-    pub(crate) fn findings(
-        &self,
-        mesh: &Mesh,
-        hull: &ConvexHull,
-        depth: f64,
-        is_closed: bool,
-    ) -> Vec<Finding> {
+    pub(crate) fn findings(&self, model: &Model, depth: f64) -> Vec<Finding> {
+        let (mesh, hull) = (model.mesh(), model.hull());
         let wide: Vec<CapId> =
             self.negative.iter().copied().filter(|&cap| self.width(mesh, cap) > depth).collect();
         let mut findings: Vec<Finding> =
-            thin_body(mesh, hull, depth).filter(|_| is_closed).into_iter().collect();
+            thin_body(mesh, hull, depth).filter(|_| model.is_closed()).into_iter().collect();
         let mut facets = BTreeSet::new();
         for caps in wide.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b)) {
             let corners = caps.iter().flat_map(|cap| self.triangles[cap.index()]).collect();
@@ -71,8 +64,7 @@ fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
         return None;
     }
     let size = |f: &Facet<'_>| {
-        let corners =
-            f.triangles.iter().map(|&t| hull.triangle(t as usize).map(|v| hull.position(v)));
+        let corners = f.triangles.iter().map(|&t| hull.corners(t as usize));
         corners.map(|[a, b, c]| (b - a).cross(c - a).length()).sum::<f64>()
     };
     let largest = hull.facets().max_by(|f, g| size(f).total_cmp(&size(g)))?;
@@ -80,9 +72,8 @@ fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
     Some(finding(FindingKind::ThinBody, corners, mesh, volume / area))
 }
 
-fn finding(kind: FindingKind, mut ids: Vec<u32>, mesh: &Mesh, measure: f64) -> Finding {
-    ids.sort_unstable();
-    ids.dedup();
+fn finding(kind: FindingKind, ids: Vec<u32>, mesh: &Mesh, measure: f64) -> Finding {
+    let ids = each_once(ids);
     let sum: DVec3 = ids.iter().map(|&v| mesh.position(VertexId(v))).sum();
     Finding { kind, at: sum / ids.len().max(1) as f64, ids, measure, count: 1 }
 }

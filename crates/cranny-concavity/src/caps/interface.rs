@@ -14,9 +14,8 @@ use std::collections::BTreeMap;
 use cranny_exact::DVec3;
 
 use super::chain::{ChainEdge, Origin};
-use cranny_geometry::Mesh;
 use cranny_geometry::hull::ConvexHull;
-use cranny_geometry::{HalfEdgeId, VertexId};
+use cranny_geometry::{HalfEdgeId, Mesh, VertexId, each_once};
 
 /// The vertices that divide edges of the hull, by the lesser of the two half-edges; from the lesser
 /// of the edge's ends on.
@@ -38,9 +37,7 @@ impl Divisions {
         reach: f64,
     ) {
         let of_mesh = left.iter().filter(|e| e.origin == Origin::Mesh).flat_map(|e| e.ends);
-        let mut candidates: Vec<u32> = of_mesh.chain(others).collect();
-        candidates.sort_unstable();
-        candidates.dedup();
+        let mut candidates = each_once(of_mesh.chain(others));
         let at = |v: u32| mesh.position(VertexId(v));
         let axis = widest_axis(candidates.iter().map(|&v| at(v)));
         candidates.sort_by(|&u, &v| at(u)[axis].total_cmp(&at(v)[axis]).then(u.cmp(&v)));
@@ -109,8 +106,7 @@ impl Divisions {
 
 fn widest_axis(points: impl Iterator<Item = DVec3>) -> usize {
     let bounds = cranny_exact::Aabb::of_points(points);
-    let extent = bounds.max - bounds.min;
-    (1..3).fold(0, |widest, axis| if extent[axis] > extent[widest] { axis } else { widest })
+    (bounds.max - bounds.min).max_position()
 }
 
 /// How far along the segment a point lies, between 0 and 1, if it lies within reach of its inside.

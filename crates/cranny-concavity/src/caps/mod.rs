@@ -32,12 +32,10 @@ use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 use crate::features::{Assignment, RidgeOnFacet};
 use crate::ids::CapId;
 use chain::{ChainEdge, Origin, cancel};
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId};
-use cranny_geometry::rows::rows;
+use cranny_geometry::rows::{row, rows};
 use cranny_geometry::triangulate::triangulate;
-use cranny_geometry::{FaceId, HalfEdgeId, VertexId};
+use cranny_geometry::{FaceId, HalfEdgeId, Mesh, Model, VertexId, each_once};
 use interface::Divisions;
 use share::Sharing;
 use straddle::drop_straddled;
@@ -59,19 +57,13 @@ pub(crate) struct CapSurface {
 
 impl CapSurface {
     /// Builds the caps of all facets.
-    pub(crate) fn build(
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
-        assignment: &Assignment,
-        ridges: &[RidgeOnFacet],
-    ) -> Self {
+    pub(crate) fn build(model: &Model, assignment: &Assignment, ridges: &[RidgeOnFacet]) -> Self {
+        let (mesh, hull) = (model.mesh(), model.hull());
         let facets = 0..hull.facet_count() as u32;
         let (starts, faces) = rows(&assignment.facet_of_face, hull.facet_count());
         let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
-        let of_facet =
-            |f: u32| &faces[starts[f as usize] as usize..starts[f as usize + 1] as usize];
-        let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
+        let of_facet = |f: u32| &faces[row(&starts, f as usize)];
+        let mut chains = open_chains(model, assignment, facets, of_facet);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         drop_straddled(mesh, hull, &mut chains, assignment.depth());
         let mut surface = Self { facet_starts: vec![0], ..Self::default() };
@@ -87,9 +79,9 @@ impl CapSurface {
         Sharing { mesh, hull, assignment, chains: &chains, ridges }.share(surface)
     }
 
-    /// Whether no triangle is negative and no chain crosses itself.
-    fn is_sound(&self) -> bool {
-        self.negative.is_empty() && self.crossed.is_empty()
+    /// Whether no triangle is negative, no chain crosses itself and no facets are covered together.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.negative.is_empty() && self.crossed.is_empty() && self.shared.is_empty()
     }
 
     /// The facets that are covered together with this one, ascending, itself among them; none where
@@ -178,10 +170,8 @@ impl Covering {
         chain: &[ChainEdge],
         ridges: &[RidgeOnFacet],
     ) -> Self {
-        let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.ends).collect();
-        vertices.extend(ridges.iter().flat_map(|r| r.ends));
-        vertices.sort_unstable();
-        vertices.dedup();
+        let of_ridges = ridges.iter().flat_map(|r| r.ends);
+        let vertices = each_once(chain.iter().flat_map(|e| e.ends).chain(of_ridges));
         let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
         let points: Vec<DVec2> =
             vertices.iter().map(|&v| projection.apply(mesh.position(VertexId(v)))).collect();
@@ -231,13 +221,12 @@ fn as_swept(corners: [u32; 3], points: [DVec2; 3]) -> Option<[u32; 3]> {
 /// The chains of those among some facets, with the faces on them, that the mesh does not cover edge
 /// for edge, by facet.
 fn open_chains<'f>(
-    mesh: &Mesh,
-    topology: &Topology,
-    hull: &ConvexHull,
+    model: &Model,
     assignment: &Assignment,
     facets: impl Iterator<Item = u32>,
     faces_of: impl Fn(u32) -> &'f [FaceId],
 ) -> Vec<(u32, Vec<ChainEdge>)> {
+    let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
     let mut chains = Vec::new();
     let mut chain = Vec::new();
     for id in facets {
@@ -337,9 +326,7 @@ pub(crate) struct Projection {
 impl Projection {
     /// Along the axis nearest a normal; the first of equals.
     pub(crate) fn along(normal: DVec3) -> Self {
-        let size = normal.abs();
-        let dropped =
-            (1..3).fold(0, |most, axis| if size[axis] > size[most] { axis } else { most });
+        let dropped = normal.abs().max_position();
         let kept = [(dropped + 1) % 3, (dropped + 2) % 3];
         Self { kept: if normal[dropped] < 0.0 { [kept[1], kept[0]] } else { kept } }
     }

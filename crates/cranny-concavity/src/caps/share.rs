@@ -28,9 +28,8 @@ use super::chain::{ChainEdge, cancel};
 use super::{CapSurface, Covering, Projection, ridges_of};
 use crate::features::{Assignment, RidgeOnFacet};
 use crate::ids::CapId;
-use cranny_geometry::Mesh;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId};
-use cranny_geometry::{HalfEdgeId, VertexId};
+use cranny_geometry::{HalfEdgeId, Mesh, VertexId};
 
 /// How often a group grows. A face reaches over one facet as a rule, over several where these are
 /// slim; smaller, and some of those stay negative; larger, and faces that lie twice in one place,
@@ -173,7 +172,7 @@ impl Sharing<'_> {
     /// The area vector, doubled, of the largest of some facets.
     fn largest(&self, facets: &BTreeSet<u32>) -> DVec3 {
         let twice = |&t: &u32| {
-            let [a, b, c] = self.hull.triangle(t as usize).map(|v| self.hull.position(v));
+            let [a, b, c] = self.hull.corners(t as usize);
             (b - a).cross(c - a)
         };
         let of_facet =
@@ -218,7 +217,7 @@ impl Sharing<'_> {
                 if group.members.contains(&across) {
                     continue;
                 }
-                let corners = self.hull.triangle(h as usize / 3).map(|v| self.hull.position(v));
+                let corners = self.hull.corners(h as usize / 3);
                 let (from, to) = (corners[h as usize % 3], corners[(h as usize + 1) % 3]);
                 let inward = normal.cross((to - from).normalize_or_zero());
                 rim.push(RimEdge { facet, across, from, inward });
@@ -340,10 +339,7 @@ struct Places {
 impl Places {
     fn of(hull: &ConvexHull, group: &FacetGroup) -> Self {
         let projection = group.projection;
-        let placed = |t: u32| {
-            let corners = hull.triangle(t as usize);
-            corners.map(|v| projection.apply(hull.position(v)))
-        };
+        let placed = |t: u32| hull.corners(t as usize).map(|p| projection.apply(p));
         let of_facet =
             |&f: &u32| hull.facet(FacetId(f)).triangles.iter().map(move |&t| (f, placed(t)));
         Self { projection, triangles: group.members.iter().flat_map(of_facet).collect() }

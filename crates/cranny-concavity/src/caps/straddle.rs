@@ -21,10 +21,8 @@
 use std::cmp::Ordering;
 
 use super::chain::ChainEdge;
-use cranny_geometry::DisjointSets;
-use cranny_geometry::Mesh;
-use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, FacetId, FacetOrder};
+use cranny_geometry::{DisjointSets, Mesh, VertexId};
 
 /// Drops opposite pieces of the chains of two facets across an edge, which together cover nothing;
 /// `depth` is that of the slabs. Which facets have such pieces, dropped or not: each with every

@@ -16,11 +16,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::straddle::drop_straddled;
 use super::{CapSurface, divide_alike, open_chains, ridges_of};
 use crate::features::{Assignment, RidgeOnFacet};
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
 use cranny_geometry::hull::{ConvexHull, FacetId};
 use cranny_geometry::rows::replaced;
-use cranny_geometry::{FaceId, HalfEdgeId};
+use cranny_geometry::{FaceId, HalfEdgeId, Model};
 
 impl CapSurface {
     /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved,
@@ -32,28 +30,27 @@ impl CapSurface {
     /// away, that of building.
     pub(crate) fn updated(
         &self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
+        model: &Model,
         assignment: &Assignment,
         ridges: &[RidgeOnFacet],
         stale: &[u32],
     ) -> (Self, BTreeSet<u32>, usize) {
+        let (mesh, hull) = (model.mesh(), model.hull());
         let count = hull.facet_count();
         let all_again = || {
-            let all = Self::build(mesh, topology, hull, assignment, ridges);
+            let all = Self::build(model, assignment, ridges);
             (all, (0..count as u32).collect(), count)
         };
-        if !self.shared.is_empty() || !self.is_sound() {
+        if !self.is_sound() {
             return all_again();
         }
         let stale = stale.iter().copied().collect();
         let stale = with_neighbours(hull, &with_neighbours(hull, &stale));
         let around = with_neighbours(hull, &with_neighbours(hull, &stale));
-        let faces = faces_of_some(&assignment.facet_of_face, hull.facet_count(), &around);
+        let faces = faces_of_some(&assignment.facet_of_face, count, &around);
         let of_facet = |f: u32| faces.get(&f).map_or(&[][..], |faces| faces);
         let facets = around.iter().copied();
-        let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
+        let mut chains = open_chains(model, assignment, facets, of_facet);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         let opposites = drop_straddled(mesh, hull, &mut chains, assignment.depth());
         if opposites.iter().any(|[one, other]| stale.contains(one) && !stale.contains(other)) {

@@ -8,17 +8,15 @@ use std::collections::BTreeMap;
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::components::{Components, edge_between};
+use super::components::Components;
 use super::nesting::{self, Surface};
 use super::{Border, ConcavityKind, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin};
 use crate::caps::CapSurface;
 use crate::features::{Features, NONE};
 use crate::ids::{CapId, ConcavityId};
-use cranny_geometry::Mesh;
 use cranny_geometry::hull::{ConvexHull, FacetId, lowest_first};
-use cranny_geometry::rows::rows;
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
-use cranny_geometry::{EdgeKind, Topology};
+use cranny_geometry::rows::{row, rows};
+use cranny_geometry::{EdgeId, EdgeKind, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId};
 
 /// A lid opens nowhere if its opening is this share of its area or less: it goes around, as the
 /// whole hull does, and what is left of a sum is rounding. Smaller, and the rounding of some
@@ -58,15 +56,9 @@ pub(super) struct Input<'a> {
 
 impl ConcavitySet {
     /// Joins off-hull faces and caps.
-    pub(crate) fn of(
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
-        features: &Features,
-        caps: CapSurface,
-    ) -> Self {
-        let input = Input { mesh, topology, hull, features, center: hull.bounds().center() };
-        let components = Components::of(mesh, topology, features, &caps);
+    pub(crate) fn of(model: &Model, features: &Features, caps: CapSurface) -> Self {
+        let input = Input::of(model, features);
+        let components = Components::of(&input, &caps);
         let mut all = input.number(components, caps);
         input.gather_faces(&mut all);
         input.find_loops(&mut all);
@@ -78,7 +70,12 @@ impl ConcavitySet {
     }
 }
 
-impl Input<'_> {
+impl<'a> Input<'a> {
+    pub(super) fn of(model: &'a Model, features: &'a Features) -> Self {
+        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
+        Self { mesh, topology, hull, features, center: hull.bounds().center() }
+    }
+
     fn position(&self, vertex: u32) -> DVec3 {
         self.mesh.vertices()[vertex as usize]
     }
@@ -242,7 +239,8 @@ impl Input<'_> {
     }
 
     fn border(&self, from: u32, to: u32) -> Border {
-        let Some(e) = edge_between(self.topology, (from.min(to), from.max(to))) else {
+        let ends = [from.min(to), from.max(to)].map(VertexId);
+        let Some(e) = self.topology.edge_between(ends) else {
             return Border::Open;
         };
         let around = self.topology.half_edges(e);
@@ -266,7 +264,7 @@ impl Input<'_> {
         for lid in 0..all.lids.len() {
             all.lids[lid].first_cap = starts[lid];
             all.lids[lid].first_outline = all.outlines.len() as u32;
-            all.trace_outlines(&order[starts[lid] as usize..starts[lid + 1] as usize]);
+            all.trace_outlines(&order[row(&starts, lid)]);
         }
         all.cap_order = order;
         let bears_faces = self.facets_with_faces();
@@ -301,7 +299,7 @@ impl Input<'_> {
     fn measure(&self, all: &mut ConcavitySet) {
         let mut skin = Skin::default();
         for t in 0..self.hull.triangle_count() {
-            let corners = self.hull.triangle(t).map(|v| self.hull.position(v));
+            let corners = self.hull.corners(t);
             skin.area += 0.5 * twice_area_vector(corners).length();
             skin.volume += self.volume_below(corners);
         }
@@ -352,6 +350,17 @@ impl Input<'_> {
             }
         }
         all.skin = skin;
+    }
+
+    /// What faces alone add to the measures of their concavity, in their order.
+    pub(super) fn measures_of(&self, faces: &[FaceId]) -> Measures {
+        let mut measures = Measures::default();
+        for &face in faces {
+            let corners = self.mesh.triangle(face);
+            measures.face_area += 0.5 * twice_area_vector(corners).length();
+            measures.pocket_volume -= self.volume_below(corners);
+        }
+        measures
     }
 
     /// Signed volume between a triangle and the centre.

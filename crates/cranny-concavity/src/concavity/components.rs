@@ -9,11 +9,10 @@
 //! No source: this crate's own, proved in brackets above; sets are joined by union-find
 //! (`DisjointSets`). Cost: O(m log m) for m cap triangles, near-linear in the faces.
 
+use super::build::Input;
 use crate::caps::CapSurface;
 use crate::features::Features;
-use cranny_geometry::Mesh;
-use cranny_geometry::{DisjointSets, Edge, Topology};
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
+use cranny_geometry::{DisjointSets, Edge, EdgeId, FaceId, HalfEdgeId, Topology, VertexId};
 
 /// Which elements belong together. Element `f` is a face, element `faces + c` a cap triangle.
 pub(super) struct Components {
@@ -32,12 +31,8 @@ struct CapEdge {
 
 impl Components {
     /// O(n log n) in the cap triangles, near linear in the faces.
-    pub(super) fn of(
-        mesh: &Mesh,
-        topology: &Topology,
-        features: &Features,
-        caps: &CapSurface,
-    ) -> Self {
+    pub(super) fn of(input: &Input<'_>, caps: &CapSurface) -> Self {
+        let &Input { mesh, topology, features, .. } = input;
         let faces = mesh.faces().len();
         let mut joined = Self {
             faces,
@@ -54,7 +49,7 @@ impl Components {
             off.clear();
             if topology.edges().get(at).is_some_and(|e| ends(e) == group[0].ends) {
                 has_cap[at] = true;
-                off_hull(mesh, topology, features, EdgeId(at as u32), &mut off);
+                off_hull(input, EdgeId(at as u32), &mut off);
             }
             joined.join_at_cap(group, &off);
         }
@@ -114,9 +109,7 @@ impl Components {
     /// numbered anew; what meets at an edge of `ends`, which ascend, must be among them. Nothing is
     /// joined at tips.
     pub(super) fn among(
-        mesh: &Mesh,
-        topology: &Topology,
-        features: &Features,
+        input: &Input<'_>,
         faces: &[FaceId],
         triangles: &[[u32; 3]],
         ends: &[(u32, u32)],
@@ -132,8 +125,8 @@ impl Components {
         let mut off = Vec::new();
         for &ends in ends {
             off.clear();
-            if let Some(edge) = edge_between(topology, ends) {
-                off_hull(mesh, topology, features, edge, &mut off);
+            if let Some(edge) = input.topology.edge_between([ends.0, ends.1].map(VertexId)) {
+                off_hull(input, edge, &mut off);
             }
             let local = |face: usize| faces.binary_search(&FaceId(face as u32)).ok();
             let off: Vec<_> = off.iter().filter_map(|&(f, way)| Some((local(f)?, way))).collect();
@@ -209,20 +202,9 @@ fn cap_edges(triangles: &[[u32; 3]]) -> Vec<CapEdge> {
     edges
 }
 
-/// The edge of the mesh between two vertices, by ascending ends.
-pub(super) fn edge_between(topology: &Topology, ends: (u32, u32)) -> Option<EdgeId> {
-    let found = topology.edges().binary_search_by_key(&ends, |e| (e.from.0, e.to.0));
-    found.ok().map(|e| EdgeId(e as u32))
-}
-
 /// Appends the off-hull faces at an edge, and whether they run it backward.
-fn off_hull(
-    mesh: &Mesh,
-    topology: &Topology,
-    features: &Features,
-    edge: EdgeId,
-    off: &mut Vec<(usize, bool)>,
-) {
+fn off_hull(input: &Input<'_>, edge: EdgeId, off: &mut Vec<(usize, bool)>) {
+    let Input { mesh, topology, features, .. } = input;
     let from = topology.edges()[edge.index()].from;
     let half_edges = topology.half_edges(edge).iter();
     off.extend(

@@ -11,17 +11,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::DVec3;
 
 use super::{Concavities, Concavity, ConcavitySet, Disturbance, Stage, SurfaceSums};
 use crate::caps::CapSurface;
 use crate::features::{Assignment, Judged, NONE, RidgeOnFacet};
 use crate::ids::ConcavityId;
-use cranny_geometry::Model;
 use cranny_geometry::hull::lowest_first;
-use cranny_geometry::{ChangeSet, Trail};
-use cranny_geometry::{FaceId, VertexId};
-use cranny_geometry::{GrownAreas, MovedFace, NodeChanges};
+use cranny_geometry::{
+    ChangeSet, FaceId, GrownAreas, Model, MovedFace, NodeChanges, Trail, VertexId, each_once,
+};
 
 /// The [`Concavities`] of a model that is deformed.
 ///
@@ -61,12 +60,7 @@ pub struct FollowedConcavities {
     kept: Option<Vec<Option<usize>>>,
     /// The digest of the model that they are of.
     of: [u8; 32],
-    workshop: FollowedState,
-}
-
-/// What following needs beside.
-#[derive(Clone, Debug)]
-struct FollowedState {
+    // What following needs beside.
     assignment: Assignment,
     ridges: Vec<RidgeOnFacet>,
     trees: GrownAreas,
@@ -127,8 +121,8 @@ impl FollowedConcavities {
         let (concavities, assignment, ridges) =
             Concavities::with_assignment(model, leaf_size, nobody);
         let trees = GrownAreas::of(concavities.trees.arena().nodes());
-        let workshop = FollowedState { assignment, ridges, trees, sums: SurfaceSums::default() };
-        Self { concavities, kept: None, of: model.digest(), workshop }
+        let (of, sums) = (model.digest(), SurfaceSums::default());
+        Self { concavities, kept: None, of, assignment, ridges, trees, sums }
     }
 
     /// The concavities of the model, which is the one that was followed last.
@@ -194,7 +188,7 @@ impl FollowedConcavities {
         let faces = model.mesh().faces().len();
         let held = set.iter().map(|c| c.faces.len()).sum::<usize>();
         let mut change = ConcavityChange {
-            reclassified: (0..faces as u32).map(FaceId).filter(turned).collect(),
+            reclassified: model.mesh().face_ids().filter(turned).collect(),
             trees: NodeChanges::anew(),
             work: ConcavityWork {
                 is_anew: true,
@@ -223,8 +217,7 @@ struct FollowedDeformation<'a> {
 
 impl FollowedDeformation<'_> {
     fn run(&mut self) {
-        let sums = &mut self.all.workshop.sums;
-        sums.touch_faces(&self.moved.faces);
+        self.all.sums.touch_faces(&self.moved.faces);
         let judged = match self.moved.hull {
             false => self.judge_moved(),
             true => self.judge_on_hull(),
@@ -235,33 +228,27 @@ impl FollowedDeformation<'_> {
 
     /// The hull is as it was: faces that have moved may come onto it, or leave it.
     fn judge_moved(&mut self) -> Judged {
-        let (model, ChangeSet { vertices, faces, .. }) = (self.model, self.moved);
-        let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
-        workshop.assignment.update(mesh, topology, hull, &concavities.features, vertices, faces)
+        let ChangeSet { vertices, faces, .. } = self.moved;
+        let FollowedConcavities { concavities, assignment, .. } = &mut *self.all;
+        assignment.update(self.model, &concavities.features, vertices, faces)
     }
 
     /// The hull is another one, here and there.
     fn judge_on_hull(&mut self) -> Judged {
         let (model, Trail { facets, triangles, .. }) = (self.model, self.trail);
-        let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
-        let FollowedState { assignment, ridges, sums, .. } = workshop;
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
-        sums.touch_hull(triangles, hull.triangle_count());
-        let near = |bounds: &Aabb| model.tree().vertices_within(mesh, bounds);
-        let (features, vertices) = (&concavities.features, &self.moved.vertices);
-        assignment.follow(mesh, topology, features, hull, facets, vertices, ridges, near)
+        let FollowedConcavities { concavities, assignment, ridges, sums, .. } = &mut *self.all;
+        sums.touch_hull(triangles, model.hull().triangle_count());
+        let vertices = &self.moved.vertices;
+        assignment.follow(model, &concavities.features, facets, vertices, ridges)
     }
 
     /// Features, caps and concavities, after faces were judged and facets of the hull have changed.
     fn close_pockets(&mut self, judged: &Judged) {
         let (model, facets) = (self.model, &self.trail.facets);
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
-        let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
-        let FollowedState { assignment, ridges, .. } = workshop;
+        let FollowedConcavities { concavities, assignment, ridges, .. } = &mut *self.all;
         let Concavities { features, set, .. } = concavities;
         let isolated = features.isolated_vertices().to_vec();
-        let mut stale = features.update(mesh, topology, assignment, judged, ridges);
+        let mut stale = features.update(model, assignment, judged, ridges);
         stale.extend(&facets.fresh);
         stale.extend(judged.reassigned.iter().flat_map(|change| [change.before, change.after]));
         stale.extend(self.moved.faces.iter().map(|f| assignment.facet_of_face[f.index()]));
@@ -274,9 +261,7 @@ impl FollowedDeformation<'_> {
             self.remeasure();
             return;
         }
-        let caps = set.cap_surface();
-        let (caps, stale, looked_at) =
-            caps.updated(mesh, topology, hull, assignment, ridges, &stale);
+        let (caps, stale, looked_at) = set.caps.updated(model, assignment, ridges, &stale);
         self.change.work.facets = looked_at;
         self.renumber(caps, stale, !isolated.is_empty());
     }
@@ -286,11 +271,8 @@ impl FollowedDeformation<'_> {
         let (model, faces) = (self.model, &self.moved.faces);
         let Concavities { features, set, .. } = &mut self.all.concavities;
         let openings = set.openings();
-        let of_faces = faces.iter().filter_map(|&f| set.of_face(f));
-        let mut reshaped: Vec<ConcavityId> = of_faces.collect();
-        reshaped.sort_unstable();
-        reshaped.dedup();
-        set.remeasure(model.mesh(), model.topology(), model.hull(), features, &reshaped);
+        let reshaped = each_once(faces.iter().filter_map(|&f| set.of_face(f)));
+        set.remeasure(model, features, &reshaped);
         self.change.concavities = set.iter().map(|c| Some(c.id())).collect();
         self.change.reshaped = reshaped;
         let same: Vec<Option<usize>> = (0..set.len()).map(Some).collect();
@@ -301,7 +283,6 @@ impl FollowedDeformation<'_> {
     /// Faces or caps are others.
     fn renumber(&mut self, mut caps: CapSurface, stale: BTreeSet<u32>, had_tips: bool) {
         let (model, facets) = (self.model, &self.trail.facets);
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
         let changed = Disturbance {
             stale,
             fresh: &facets.fresh,
@@ -310,12 +291,11 @@ impl FollowedDeformation<'_> {
             vertices: &self.moved.vertices,
             had_tips,
         };
-        let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
+        let FollowedConcavities { concavities, sums, .. } = &mut *self.all;
         let Concavities { features, set, .. } = concavities;
-        let sums = &mut workshop.sums;
-        let followed = set.followed(mesh, topology, hull, features, &mut caps, &changed, sums);
+        let followed = set.followed(model, features, &mut caps, &changed, sums);
         let (new, grouped) = followed.unwrap_or_else(|| {
-            let all = ConcavitySet::of(mesh, topology, hull, features, caps);
+            let all = ConcavitySet::of(model, features, caps);
             let grouped = all.cap_count() + all.iter().map(|c| c.faces.len()).sum::<usize>();
             (all, grouped)
         });
@@ -330,9 +310,9 @@ impl FollowedDeformation<'_> {
     /// `same`: for each concavity the one before that has the same faces.
     fn follow_with_trees(&mut self, same: &[Option<usize>]) {
         let mesh = self.model.mesh();
-        let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
+        let FollowedConcavities { concavities, trees: grown, .. } = &mut *self.all;
         let Concavities { set, trees, leaf_size, .. } = concavities;
-        let (grown, leaf_size) = (&mut workshop.trees, leaf_size.get());
+        let leaf_size = leaf_size.get();
         let changes = &mut self.change.trees;
         let groups = || set.iter().map(|c| c.faces);
         let in_place =
@@ -431,9 +411,7 @@ fn note_concavities(
             reshaped.push(id);
         }
     }
-    reshaped.sort_unstable();
-    reshaped.dedup();
-    (change.concavities, change.reshaped) = (map, reshaped);
+    (change.concavities, change.reshaped) = (map, each_once(reshaped));
     same
 }
 

@@ -340,11 +340,6 @@ impl ConcavitySet {
         (concavity != NONE).then_some(ConcavityId(concavity))
     }
 
-    /// All caps, by facet.
-    pub(crate) fn surface(&self) -> &CapSurface {
-        &self.caps
-    }
-
     /// Number of cap triangles.
     #[must_use]
     pub fn cap_count(&self) -> usize {

@@ -7,7 +7,7 @@ use super::build::Input;
 use super::components::Components;
 use crate::caps::CapSurface;
 use crate::ids::CapId;
-use cranny_geometry::{FaceId, HalfEdgeId};
+use cranny_geometry::{FaceId, HalfEdgeId, VertexId, each_once};
 
 /// A part of the surface: faces off the hull and caps, ascending.
 pub(super) struct Part {
@@ -43,8 +43,7 @@ impl Part {
                 (edge.from.0, edge.to.0)
             }));
         }
-        ends.sort_unstable();
-        ends.dedup();
+        let ends = each_once(ends);
         // What else meets at these edges.
         let mut is_at = vec![false; mesh.vertices().len()];
         ends.iter().flat_map(|&(a, b)| [a, b]).for_each(|v| is_at[v as usize] = true);
@@ -59,15 +58,14 @@ impl Part {
         let all_caps: Vec<u32> = (0..caps.triangles.len() as u32).filter(meets).collect();
         let mut all_faces = self.faces.clone();
         for &(from, to) in &ends {
-            if let Some(edge) = super::components::edge_between(topology, (from, to)) {
+            if let Some(edge) = topology.edge_between([from, to].map(VertexId)) {
                 let faces = topology.half_edges(edge).iter().map(|h| h.face());
                 all_faces.extend(faces.filter(|&f| !features.is_convex(f)));
             }
         }
-        all_faces.sort_unstable();
-        all_faces.dedup();
+        let all_faces = each_once(all_faces);
         let triangles: Vec<[u32; 3]> = all_caps.iter().map(|&cap| corners(cap)).collect();
-        let components = Components::among(mesh, topology, features, &all_faces, &triangles, &ends);
+        let components = Components::among(input, &all_faces, &triangles, &ends);
         self.gather(input, caps, components, &all_faces, &all_caps)
     }
 

@@ -14,16 +14,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::{BLANK, CANCELLED, Input, first_of_caps, twice_area_vector};
 use super::region::{Group, Part};
-use super::{Concavity, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, SurfaceSums};
+use super::{Concavity, ConcavitySet, LidRecord, MIXED, Record, SOLID, SurfaceSums};
 use crate::caps::CapSurface;
 use crate::features::{Features, NONE};
 use crate::ids::{CapId, ConcavityId};
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::hull::{ConvexHull, FacetId};
+use cranny_exact::DVec3;
+use cranny_geometry::hull::FacetId;
 use cranny_geometry::rows::replaced;
 use cranny_geometry::triangulate::outlines;
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use cranny_geometry::{FaceId, HalfEdgeId, Model, VertexId, each_once};
 
 /// What has changed.
 pub(crate) struct Disturbance<'a> {
@@ -53,26 +52,22 @@ impl ConcavitySet {
     /// together; `None` where all have to be found anew.
     pub(crate) fn followed(
         &self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
+        model: &Model,
         features: &Features,
         caps: &mut CapSurface,
         changed: &Disturbance<'_>,
         sums: &mut SurfaceSums,
     ) -> Option<(Self, usize)> {
-        let sound = |caps: &CapSurface| {
-            caps.negative.is_empty() && caps.crossed.is_empty() && caps.shared.is_empty()
-        };
-        let is_local = sound(&self.caps)
-            && sound(caps)
+        let hull = model.hull();
+        let is_local = self.caps.is_sound()
+            && caps.is_sound()
             && features.isolated_vertices().is_empty()
             && !changed.had_tips
             && 2 * changed.fresh.len() <= hull.facet_count();
         if !is_local {
             return None;
         }
-        let input = Input { mesh, topology, hull, features, center: hull.bounds().center() };
+        let input = Input::of(model, features);
         let others = self.facets_with_other_caps(caps, changed);
         let disturbed = self.disturbed(&input, caps, changed, &others);
         let ids = self.numbers_of_caps(hull.facet_count(), caps, &others);
@@ -82,7 +77,7 @@ impl ConcavitySet {
         let mut all = self.put_in_order(&input, std::mem::take(caps), &disturbed, groups, &ids);
         input.cover_again(&mut all, self, &disturbed, changed, hull.facet_count());
         let owned = all.cap_order.len() as u32;
-        all.skin = sums.skin(mesh, hull, &all.records, all.caps.triangles.len() as u32 - owned);
+        all.skin = sums.skin(&input, &all.records, all.caps.triangles.len() as u32 - owned);
         input.name(&mut all);
         input.nest(&mut all);
         Some((all, grouped))
@@ -161,17 +156,13 @@ impl ConcavitySet {
         let mut faces: Vec<FaceId> = again().flat_map(|c| c.faces).copied().collect();
         faces.extend(changed.turned);
         faces.retain(is_off);
-        faces.sort_unstable();
-        faces.dedup();
         let skin = (0..).zip(&self.concavity_of_cap).filter(|(_, c)| **c == NONE).map(|(i, _)| i);
         let kept =
             again().flat_map(|c| c.caps).map(|c| c.index()).chain(skin).map(|i: usize| ids[i]);
         let rows = others.iter().filter(|f| **f as usize + 1 < caps.facet_starts.len());
         let new = rows.flat_map(|&f| caps.of_facet(FacetId(f)));
-        let mut caps: Vec<u32> = kept.filter(|&id| id != NONE).chain(new).collect();
-        caps.sort_unstable();
-        caps.dedup();
-        Part { faces, caps }
+        let caps = each_once(kept.filter(|&id| id != NONE).chain(new));
+        Part { faces: each_once(faces), caps }
     }
 
     /// Numbers all concavities, lids and caps, given which of those before are divided anew, into
@@ -220,12 +211,10 @@ impl ConcavitySet {
             }
         }
         let made_faces = groups.iter().flat_map(|group| &group.faces);
-        let mut edges: Vec<EdgeId> = made_faces
-            .flat_map(|&f| (0..3).map(move |c| input.topology.edge_of(HalfEdgeId::of(f, c))))
-            .collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges.iter().for_each(|&e| input.rims_at(e, &all.concavity_of_face, &mut rims));
+        let sides = made_faces.flat_map(|&f| (0..3).map(move |c| HalfEdgeId::of(f, c)));
+        for edge in each_once(sides.map(|h| input.topology.edge_of(h))) {
+            input.rims_at(edge, &all.concavity_of_face, &mut rims);
+        }
         rims.sort_unstable();
         for (id, (_, origin)) in (0..).map(ConcavityId).zip(&order) {
             let record = Record {
@@ -288,7 +277,7 @@ impl ConcavitySet {
         }
     }
 
-    fn begin_lid(&mut self, concavity: ConcavityId, area: f64, opening: cranny_exact::DVec3) {
+    fn begin_lid(&mut self, concavity: ConcavityId, area: f64, opening: DVec3) {
         let first_cap = self.cap_order.len() as u32;
         let first_outline = self.outlines.len() as u32;
         self.lids.push(LidRecord { concavity, first_cap, first_outline, area, opening });
@@ -311,18 +300,13 @@ impl Input<'_> {
         group: &Group,
         mut rim: Vec<[u32; 2]>,
     ) {
-        let mut measures = Measures::default();
-        for &face in &group.faces {
-            let corners = self.mesh.triangle(face);
-            measures.face_area += 0.5 * twice_area_vector(corners).length();
-            measures.pocket_volume -= self.volume_below(corners);
-        }
+        let mut measures = self.measures_of(&group.faces);
         all.faces.extend_from_slice(&group.faces);
         let first = all.loops.len();
         all.loops.split(&mut rim);
         self.find_borders(all, first);
         for caps in &group.lids {
-            let (mut area, mut opening) = (0.0, cranny_exact::DVec3::ZERO);
+            let (mut area, mut opening) = (0.0, DVec3::ZERO);
             for cap in caps {
                 let corners = self.cap_triangle(&all.caps, cap.index());
                 let vector = 0.5 * twice_area_vector(corners);
@@ -333,7 +317,7 @@ impl Input<'_> {
                 measures.pocket_volume += self.volume_below(corners);
             }
             if opening.length() <= CANCELLED * area {
-                opening = cranny_exact::DVec3::ZERO;
+                opening = DVec3::ZERO;
             }
             all.begin_lid(id, area, opening);
             caps.iter().for_each(|cap| all.add_cap(id, cap.0));

@@ -9,11 +9,9 @@ use std::collections::BTreeSet;
 
 use cranny_exact::DVec3;
 
-use super::build::twice_area_vector;
+use super::build::{Input, twice_area_vector};
 use super::{Record, Skin};
 use cranny_geometry::FaceId;
-use cranny_geometry::Mesh;
-use cranny_geometry::hull::ConvexHull;
 
 /// Triangles in a chunk. Fewer, and there are more sums to add up; more, and more triangles are
 /// looked at again for each one that has changed.
@@ -49,20 +47,14 @@ impl SurfaceSums {
 
     /// What lies between the hull and the faces on it; `caps` is how many caps belong to no
     /// concavity.
-    pub(super) fn skin(
-        &mut self,
-        mesh: &Mesh,
-        hull: &ConvexHull,
-        records: &[Record],
-        caps: u32,
-    ) -> Skin {
-        let center = hull.bounds().center();
+    pub(super) fn skin(&mut self, input: &Input<'_>, records: &[Record], caps: u32) -> Skin {
+        let &Input { mesh, hull, center, .. } = input;
         if self.center != Some(center) {
             *self = Self { center: Some(center), ..Self::default() };
             self.stale_hull.extend(0..hull.triangle_count().div_ceil(CHUNK));
             self.stale_faces.extend(0..mesh.faces().len().div_ceil(CHUNK));
         }
-        let of_hull = |t: usize| hull.triangle(t).map(|v| hull.position(v));
+        let of_hull = |t: usize| hull.corners(t);
         let of_mesh = |f: usize| mesh.triangle(FaceId(f as u32));
         renew(&mut self.hull, &mut self.stale_hull, hull.triangle_count(), center, of_hull);
         renew(&mut self.faces, &mut self.stale_faces, mesh.faces().len(), center, of_mesh);

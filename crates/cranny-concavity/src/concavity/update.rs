@@ -5,32 +5,22 @@
 
 use super::build::{Input, twice_area_vector};
 use super::{ConcavitySet, Measures};
-use crate::caps::CapSurface;
 use crate::features::Features;
 use crate::ids::ConcavityId;
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::hull::ConvexHull;
+use cranny_geometry::Model;
 
 impl ConcavitySet {
-    /// The caps of all facets.
-    pub(crate) fn cap_surface(&self) -> &CapSurface {
-        &self.caps
-    }
-
     /// Measures concavities again after faces off the hull have moved, none on it, and no corner of
     /// a cap; where anything has no lid, finds anew what lies in what.
     ///
     /// Cost: the faces and caps of these concavities; with voids or islands, those of all.
     pub(crate) fn remeasure(
         &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
+        model: &Model,
         features: &Features,
         changed: &[ConcavityId],
     ) {
-        let input = Input { mesh, topology, hull, features, center: hull.bounds().center() };
+        let input = Input::of(model, features);
         for &id in changed {
             let measures = self.measured(&input, id);
             self.records[id.index()].measures = measures;
@@ -42,12 +32,7 @@ impl ConcavitySet {
     /// What the sums over a concavity come to, added up in the order in which they were built.
     fn measured(&self, input: &Input<'_>, id: ConcavityId) -> Measures {
         let concavity = self.get(id);
-        let mut measures = Measures::default();
-        for &face in concavity.faces {
-            let corners = input.mesh.triangle(face);
-            measures.face_area += 0.5 * twice_area_vector(corners).length();
-            measures.pocket_volume -= input.volume_below(corners);
-        }
+        let mut measures = input.measures_of(concavity.faces);
         let mut caps = concavity.caps.to_vec();
         caps.sort_unstable();
         for cap in caps {

@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 use super::{ConcavitySet, Cover};
 use crate::features::Features;
 use crate::ids::CapId;
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, FacetId};
+use cranny_geometry::{Mesh, Topology, VertexId, each_once};
 
 /// Directed edges with multiplicities, by lesser and greater end: those of a closed surface cancel.
 #[derive(Debug, Default)]
@@ -65,7 +63,8 @@ impl ConcavitySet {
             return Err(format!("hull, faces and caps do not add up at edge {} {}", a.0, b.0));
         }
         let is_tight = |[a, b]: [VertexId; 2]| {
-            super::components::edge_between(topology, (a.0, b.0))
+            topology
+                .edge_between([a, b])
                 .is_none_or(|e| topology.edges()[e.index()].kind.is_balanced())
         };
         for concavity in self.iter() {
@@ -82,9 +81,7 @@ impl ConcavitySet {
                 return Err(format!("concavity {id} has a boundary at edge {} {}", a.0, b.0));
             }
             for (i, l) in concavity.loops().enumerate() {
-                let mut distinct = l.vertices.to_vec();
-                distinct.sort_unstable();
-                distinct.dedup();
+                let distinct = each_once(l.vertices);
                 if distinct.len() != l.vertices.len() || l.vertices.len() < 2 {
                     return Err(format!("loop {i} of concavity {id} is not simple"));
                 }

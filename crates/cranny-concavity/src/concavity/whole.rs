@@ -11,9 +11,7 @@ use super::{ConcavitySet, Stage};
 use crate::caps::CapSurface;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features, RidgeOnFacet};
-use cranny_geometry::FaceForest;
-use cranny_geometry::Finding;
-use cranny_geometry::Model;
+use cranny_geometry::{FaceForest, Finding, Model};
 
 /// The concavities of a model with what they are made from, their box trees and their envelopes.
 ///
@@ -84,13 +82,13 @@ impl Concavities {
         leaf_size: NonZeroUsize,
         observe: &mut dyn FnMut(Stage),
     ) -> (Self, Assignment, Vec<RidgeOnFacet>) {
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
+        let mesh = model.mesh();
         observe(Stage::Classify);
-        let assignment = Assignment::of(mesh, topology, hull, model.tree());
-        let (features, ridges) = Features::classified(mesh, topology, &assignment);
+        let assignment = Assignment::of(model);
+        let (features, ridges) = Features::classified(model, &assignment);
         observe(Stage::Caps);
-        let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
-        let set = ConcavitySet::of(mesh, topology, hull, &features, caps);
+        let caps = CapSurface::build(model, &assignment, &ridges);
+        let set = ConcavitySet::of(model, &features, caps);
         observe(Stage::Trees);
         let groups = set.iter().map(|concavity| concavity.faces);
         let trees = FaceForest::within(model.tree(), mesh, groups, leaf_size.get());
@@ -130,8 +128,7 @@ impl Concavities {
     /// [report](cranny_geometry::Report) does not hold. O(n), and the square of the facets found.
     #[must_use]
     pub fn findings(&self, model: &Model) -> Vec<Finding> {
-        let (mesh, depth) = (model.mesh(), self.features.slab_depth());
-        self.set.surface().findings(mesh, model.hull(), depth, model.is_closed())
+        self.set.caps.findings(model, self.features.slab_depth())
     }
 }
 

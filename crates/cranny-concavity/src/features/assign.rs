@@ -26,12 +26,9 @@ use cranny_exact::DVec3;
 
 use super::slabs::Slabs;
 use super::vertices::facets_of_vertices;
-use cranny_geometry::FaceTree;
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::hull::{ConvexHull, FacetOrder};
-use cranny_geometry::rows::replaced;
-use cranny_geometry::{FaceId, HalfEdgeId, VertexId};
+use cranny_geometry::hull::FacetOrder;
+use cranny_geometry::rows::{replaced, row};
+use cranny_geometry::{FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId, each_once};
 
 /// 'On no facet'.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -62,14 +59,19 @@ pub(crate) struct Assignment {
 }
 
 impl Assignment {
-    /// Judges every vertex and face; `tree` is that over all faces.
-    pub(crate) fn of(mesh: &Mesh, topology: &Topology, hull: &ConvexHull, tree: &FaceTree) -> Self {
+    /// Judges every vertex and face.
+    pub(crate) fn of(model: &Model) -> Self {
+        let (mesh, hull) = (model.mesh(), model.hull());
         let mut slabs = Slabs::of(hull);
         slabs.prepare_finder(hull);
-        let (starts, facets) = facets_of_vertices(mesh, topology, hull, tree, &slabs);
-        let mut assignment =
-            Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
-        assignment.assign(mesh, topology, hull);
+        let (starts, facets) =
+            facets_of_vertices(mesh, model.topology(), hull, model.tree(), &slabs);
+        let facet_of_face = vec![NONE; mesh.faces().len()];
+        let mut assignment = Self { facet_of_face, starts, facets, moved: BTreeMap::new(), slabs };
+        let on_hull = assignment.vertices_on_hull();
+        // Nearly none of a body whose hull is small.
+        let is_on_hull = |f: &FaceId| mesh.corners(*f).iter().all(|v| on_hull[v.index()]);
+        assignment.assign_faces(model, mesh.face_ids().filter(is_on_hull));
         assignment
     }
 
@@ -81,8 +83,7 @@ impl Assignment {
         {
             return facets;
         }
-        let v = vertex.index();
-        &self.facets[self.starts[v] as usize..self.starts[v + 1] as usize]
+        &self.facets[row(&self.starts, vertex.index())]
     }
 
     /// For each vertex whether it lies on a facet.
@@ -126,18 +127,7 @@ impl Assignment {
                 common.extend(list.iter().copied().filter(|&f| holds(f, other)));
             }
         }
-        common.sort_unstable();
-        common.dedup();
-        common
-    }
-
-    fn assign(&mut self, mesh: &Mesh, topology: &Topology, hull: &ConvexHull) {
-        self.facet_of_face = vec![NONE; mesh.faces().len()];
-        let on_hull = self.vertices_on_hull();
-        // Nearly none of a body whose hull is small.
-        let is_on_hull = |f: &FaceId| mesh.corners(*f).iter().all(|v| on_hull[v.index()]);
-        let faces = mesh.face_ids().filter(is_on_hull);
-        self.assign_faces(mesh, topology, hull, faces);
+        each_once(common)
     }
 
     /// Writes the facets of moved vertices into the rows, where these are many: a look-up is
@@ -153,13 +143,8 @@ impl Assignment {
 
     /// Places faces, ascending: each where the triangle of the hull that it is lies, or else on the
     /// facet that holds it best; needles last.
-    pub(super) fn assign_faces(
-        &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
-        faces: impl Iterator<Item = FaceId>,
-    ) {
+    pub(super) fn assign_faces(&mut self, model: &Model, faces: impl Iterator<Item = FaceId>) {
+        let (mesh, hull) = (model.mesh(), model.hull());
         let (mut order, mut needles) = (FacetOrder::of(hull), Vec::new());
         for f in faces {
             let equal = hull.triangle_of(mesh.corners(f)).map(|t| hull.facet_of_triangle(t).0);
@@ -172,7 +157,7 @@ impl Assignment {
                 }
             }
         }
-        self.assign_needles(mesh, topology, &needles, &mut order);
+        self.assign_needles(mesh, model.topology(), &needles, &mut order);
     }
 
     /// Whether every corner is on the hull.
@@ -276,8 +261,7 @@ impl Assignment {
 
 /// The longest side of a face, the first of equals.
 fn longest_side(mesh: &Mesh, face: FaceId) -> HalfEdgeId {
-    let corners = mesh.triangle(face);
-    let length = |c: usize| (corners[(c + 1) % 3] - corners[c]).length_squared();
-    let longest = (1..3).fold(0, |best, c| if length(c) > length(best) { c } else { best });
-    HalfEdgeId::of(face, longest)
+    let [a, b, c] = mesh.triangle(face);
+    let lengths = [b - a, c - b, a - c].map(DVec3::length_squared);
+    HalfEdgeId::of(face, DVec3::from_array(lengths).max_position())
 }

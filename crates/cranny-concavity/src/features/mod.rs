@@ -24,11 +24,8 @@ pub(crate) use assign::{Assignment, NONE};
 pub(crate) use update::Judged;
 
 use crate::ids::ConvexSetId;
-use cranny_geometry::Mesh;
-use cranny_geometry::Model;
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{DisjointSets, Topology};
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use cranny_geometry::{DisjointSets, EdgeId, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId};
 
 /// Where a vertex or an edge of the mesh lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -76,17 +73,12 @@ impl Features {
     /// Cost: O(n log n), as a rule less than the hull itself.
     #[must_use]
     pub fn of(model: &Model) -> Self {
-        let (mesh, topology) = (model.mesh(), model.topology());
-        let assignment = Assignment::of(mesh, topology, model.hull(), model.tree());
-        Self::classified(mesh, topology, &assignment).0
+        Self::classified(model, &Assignment::of(model)).0
     }
 
     /// Classifies by an assignment of faces to facets; the second part lists ridges by facet.
-    pub(crate) fn classified(
-        mesh: &Mesh,
-        topology: &Topology,
-        assignment: &Assignment,
-    ) -> (Self, Vec<RidgeOnFacet>) {
+    pub(crate) fn classified(model: &Model, assignment: &Assignment) -> (Self, Vec<RidgeOnFacet>) {
+        let (mesh, topology) = (model.mesh(), model.topology());
         let (set_of_face, sets) = convex_sets(topology, &assignment.facet_of_face);
         let mut ridges = Vec::new();
         let mut ridges_on_facets = Vec::new();

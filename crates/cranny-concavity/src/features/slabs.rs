@@ -131,7 +131,7 @@ impl Slabs {
         self.places = order.iter().map(|place| (place >> 32) as u32).collect();
         self.order = order.into_iter().map(|place| place as u32).collect();
         self.levels = vec![self.order.iter().map(|&f| nodes[f as usize]).collect()];
-        self.build_levels();
+        self.refit_levels(0..self.order.len());
     }
 
     /// Follows a hull whose facets have changed. Where slabs differ from those before, reports
@@ -200,11 +200,6 @@ impl Slabs {
         let slab = self.slabs[f as usize];
         let normals = Aabb { min: slab.normal, max: slab.normal };
         Node { bounds, normals, floor: slab.floor }
-    }
-
-    /// Makes the levels above the lowest.
-    fn build_levels(&mut self) {
-        self.refit_levels(0..self.order.len());
     }
 
     /// Makes what stands on the levels above these nodes of the lowest; as many nodes as there are.

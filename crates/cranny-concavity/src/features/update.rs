@@ -13,15 +13,11 @@
 
 use std::collections::BTreeSet;
 
-use cranny_exact::Aabb;
-
 use super::assign::{Assignment, NONE};
 use super::vertices::facets_at;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::hull::{ConvexHull, FacetChange};
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use cranny_geometry::hull::FacetChange;
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId, each_once};
 
 /// A face that lies on another facet than it did, or was judged because its facet is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,44 +44,39 @@ impl Assignment {
     /// and `faces`, all that have one of them. `features` are still those before.
     pub(crate) fn update(
         &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
+        model: &Model,
         features: &Features,
         moved: &[VertexId],
         faces: &[FaceId],
     ) -> Judged {
         for &v in moved {
             let mut found = Vec::new();
-            self.slabs.around(mesh.position(v), &mut found);
+            self.slabs.around(model.mesh().position(v), &mut found);
             self.moved.insert(v.0, found);
         }
         self.settle();
-        self.judge(mesh, topology, hull, features, faces.iter().copied().collect())
+        self.judge(model, features, faces.iter().copied().collect())
     }
 
     /// After vertices have moved and facets of the hull have changed: judges these vertices, those
     /// in slabs that are gone or new, and the faces of those that lie on other facets than before.
-    /// `features` are still those before; `near` names vertices in a box and faces that reach into
-    /// it.
+    /// `features` are still those before.
     ///
     /// Cost: what is judged, and a look at which facet each face is on.
     pub(crate) fn follow(
         &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
+        model: &Model,
         features: &Features,
-        hull: &ConvexHull,
         change: &FacetChange,
         moved: &[VertexId],
         ridges: &mut Vec<RidgeOnFacet>,
-        near: impl Fn(&Aabb) -> (Vec<VertexId>, Vec<FaceId>),
     ) -> Judged {
+        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
         let mut vertices: BTreeSet<VertexId> = moved.iter().copied().collect();
         let mut faces = BTreeSet::new();
         let is_gone = |f: u32| change.gone.binary_search(&f).is_ok();
         for bounds in self.slabs.follow(hull, change) {
-            let (within, reaching) = near(&bounds);
+            let (within, reaching) = model.tree().vertices_within(mesh, &bounds);
             vertices.extend(within);
             faces.extend(reaching);
         }
@@ -123,18 +114,12 @@ impl Assignment {
                 }
             }
         }
-        self.judge(mesh, topology, hull, features, faces)
+        self.judge(model, features, faces)
     }
 
     /// Places faces, and needles that hang on them, again.
-    fn judge(
-        &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        hull: &ConvexHull,
-        features: &Features,
-        mut faces: BTreeSet<FaceId>,
-    ) -> Judged {
+    fn judge(&mut self, model: &Model, features: &Features, mut faces: BTreeSet<FaceId>) -> Judged {
+        let (mesh, topology) = (model.mesh(), model.topology());
         let mut front: Vec<FaceId> = faces.iter().copied().collect();
         while let Some(face) = front.pop() {
             for twin in (0..3).filter_map(|c| topology.twin(HalfEdgeId::of(face, c))) {
@@ -147,7 +132,7 @@ impl Assignment {
             }
         }
         let before: Vec<u32> = faces.iter().map(|f| self.facet_of_face[f.index()]).collect();
-        self.assign_faces(mesh, topology, hull, faces.iter().copied());
+        self.assign_faces(model, faces.iter().copied());
         let changed = faces.iter().zip(before).filter_map(|(&face, before)| {
             let after = self.facet_of_face[face.index()];
             let changes_class = features.is_convex(face) != (after != NONE);
@@ -163,12 +148,12 @@ impl Features {
     /// facet, and is kept so; returned are the facets whose ridges have changed, ascending.
     pub(crate) fn update(
         &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
+        model: &Model,
         assignment: &Assignment,
         judged: &Judged,
         ridges: &mut Vec<RidgeOnFacet>,
     ) -> Vec<u32> {
+        let (mesh, topology) = (model.mesh(), model.topology());
         for face in &judged.faces {
             self.facet_of_face[face.index()] = assignment.facet_of_face[face.index()];
         }
@@ -208,9 +193,8 @@ impl Features {
         }
         fresh.sort_unstable();
         let among = |r: &RidgeOnFacet| {
-            let key = (r.ends[0], r.ends[1]);
-            let found = topology.edges().binary_search_by_key(&key, |e| (e.from.0, e.to.0));
-            found.is_ok_and(|e| edges.contains(&EdgeId(e as u32)))
+            let edge = topology.edge_between(r.ends.map(VertexId));
+            edge.is_some_and(|e| edges.contains(&e))
         };
         let had_any = edges.iter().any(|e| self.ridges.binary_search(e).is_ok());
         if !had_any && fresh.is_empty() {
@@ -226,10 +210,7 @@ impl Features {
         self.ridges.extend(fresh_ridges);
         self.ridges.sort_unstable();
         // A ridge that is the same edge may have moved.
-        let mut facets: Vec<u32> = stale.iter().chain(&fresh).map(|r| r.facet).collect();
-        facets.sort_unstable();
-        facets.dedup();
-        facets
+        each_once(stale.iter().chain(&fresh).map(|r| r.facet))
     }
 
     fn judge_vertices(

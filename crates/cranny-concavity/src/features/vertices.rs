@@ -17,11 +17,8 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::slabs::Slabs;
-use cranny_geometry::Mesh;
-use cranny_geometry::Topology;
-use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
-use cranny_geometry::{Content, FaceTree};
+use cranny_geometry::{Content, FaceTree, Mesh, Topology, VertexId, each_once};
 
 /// A part of the tree with so few faces is not divided further: its vertices look at what it has
 /// left. Fewer, and boxes are looked at in the place of vertices; more, and vertices far from a
@@ -170,11 +167,7 @@ impl Finder<'_> {
 
 /// The facets of the triangles around a corner of the hull, ascending, each once.
 pub(super) fn facets_at(hull: &ConvexHull, corner: HullVertexId) -> Vec<u32> {
-    let mut facets: Vec<u32> =
-        hull.triangles_at(corner).map(|t| hull.facet_of_triangle(t).0).collect();
-    facets.sort_unstable();
-    facets.dedup();
-    facets
+    each_once(hull.triangles_at(corner).map(|t| hull.facet_of_triangle(t).0))
 }
 
 #[cfg(test)]

@@ -64,12 +64,12 @@ pub(super) fn for_each_pair_in_pocket(
     mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let envelope = envelopes.envelope(pocket.index());
-    let posed = PosedBoxes { map: pair.map_to(host), error: pair.error };
+    let host_from_guest = pair.map_to(host);
     let Some(first) = envelope.first_layer() else { return ControlFlow::Continue(()) };
     let mut stack = vec![(Beneath::Layer(first), guest.root)];
     let mut offended = Vec::new();
     while let Some((beneath, node)) = stack.pop() {
-        let thing = posed.thing(guest.bounds(node));
+        let thing = posed_box(&host_from_guest, pair.error, guest.bounds(node));
         offended.clear();
         match beneath {
             Beneath::Layer(layer) => {
@@ -127,19 +127,12 @@ fn next(envelopes: &Envelopes, facet: EnvelopeFacetId, guest: &SurfacePart, node
     }
 }
 
-/// Boxes of the guest, seen in the host's frame.
-struct PosedBoxes {
-    map: RigidMap,
-    error: f64,
-}
-
-impl PosedBoxes {
-    fn thing(&self, bounds: &Aabb) -> Thing<impl Fn(DVec3) -> f64> {
-        let (center, half) = (self.map.apply(bounds.center()), bounds.half_extents());
-        let least = move |direction: DVec3| {
-            let along = (self.map.linear.transpose() * direction).abs();
-            (direction.dot(center) - along.dot(half) - self.error).next_down()
-        };
-        Thing::new(least, 0.0)
-    }
+/// A box of the guest, seen in the host's frame.
+fn posed_box(map: &RigidMap, error: f64, bounds: &Aabb) -> Thing<impl Fn(DVec3) -> f64> {
+    let (center, half) = (map.apply(bounds.center()), bounds.half_extents());
+    let least = move |direction: DVec3| {
+        let along = (map.linear.transpose() * direction).abs();
+        (direction.dot(center) - along.dot(half) - error).next_down()
+    };
+    Thing::new(least, 0.0)
 }

@@ -5,47 +5,31 @@
 
 use std::cell::Cell;
 
-use cranny_exact::{DVec3, RigidMap};
-use cranny_geometry::hull::{ConvexHull, HullVertexId};
+use cranny_exact::DVec3;
 
 use super::PosedModels;
 use crate::envelope::Thing;
 
-/// The hull of one body, seen from the other.
-pub(super) struct HullExtent<'a> {
-    hull: &'a ConvexHull,
-    host_from_guest: RigidMap,
-    error: f64,
-    /// Where the last climb ended.
-    top: Cell<Option<HullVertexId>>,
-}
-
-impl<'a> HullExtent<'a> {
-    /// `guest`: the body, 0 or 1.
-    pub(super) fn of(pair: &PosedModels<'a>, guest: usize) -> Self {
-        Self {
-            hull: pair.models[guest].hull(),
-            host_from_guest: pair.map_to(1 - guest),
-            error: pair.error,
-            top: Cell::default(),
-        }
-    }
-
-    /// At most the least of `direction · x` over the points x of the hull, in the host's frame.
-    fn least(&self, direction: DVec3) -> f64 {
-        let seen = self.host_from_guest.linear.transpose() * direction;
-        let top = self.hull.support(-seen, self.top.get());
-        self.top.set(top);
+/// The hull of a body (`guest`: 0 or 1), seen from the other.
+pub(super) fn hull_of_guest<'a>(
+    pair: &PosedModels<'a>,
+    guest: usize,
+) -> Thing<impl Fn(DVec3) -> f64 + use<'a>> {
+    let (hull, host_from_guest) = (pair.models[guest].hull(), pair.map_to(1 - guest));
+    let error = pair.error;
+    // Where the last climb ended.
+    let last = Cell::new(None);
+    let least = move |direction: DVec3| {
+        let seen = host_from_guest.linear.transpose() * direction;
+        let top = hull.support(-seen, last.get());
+        last.set(top);
         // A body has faces, so its hull has vertices.
         top.map_or(f64::NEG_INFINITY, |top| {
-            let place = self.host_from_guest.apply(self.hull.position(top));
-            (direction.dot(place) - self.error).next_down()
+            let place = host_from_guest.apply(hull.position(top));
+            (direction.dot(place) - error).next_down()
         })
-    }
-
-    pub(super) fn thing(&self) -> Thing<impl Fn(DVec3) -> f64> {
-        Thing::new(|direction| self.least(direction), 0.0)
-    }
+    };
+    Thing::new(least, 0.0)
 }
 
 #[cfg(test)]
@@ -71,7 +55,7 @@ mod tests {
                 error: 128.0 * f64::EPSILON * size,
             };
             for guest in [0, 1] {
-                let (hull, host) = (HullExtent::of(&pair, guest), pair.map_to(1 - guest));
+                let (hull, host) = (hull_of_guest(&pair, guest), pair.map_to(1 - guest));
                 for direction in [DVec3::X, -DVec3::Y, axis, DVec3::new(0.6, 0.0, -0.8)] {
                     let count = model.mesh().vertices().len() as u32;
                     let height = |v| direction.dot(host.apply(model.mesh().position(VertexId(v))));

@@ -32,7 +32,7 @@ use cranny_exact::{DVec3, RigidMap};
 use cranny_geometry::{FaceId, Model};
 
 use self::descent::{SurfacePart, for_each_pair_in_pocket};
-use self::hull_extent::HullExtent;
+use self::hull_extent::hull_of_guest;
 use crate::envelope::{Cell, Passage, Thing};
 use crate::{Concavities, ConcavityId, Envelope, LayerId, NodeSet};
 
@@ -275,8 +275,7 @@ fn opened_on(
     if concavities.is_empty() {
         return (met, open);
     }
-    let hull = HullExtent::of(pair, 1 - host);
-    let thing = hull.thing();
+    let thing = hull_of_guest(pair, 1 - host);
     for (index, concavity) in concavities.iter().enumerate() {
         let envelope = concavities.envelopes().envelope(index);
         if !thing.bounds().overlaps(envelope.bounds()) {

@@ -4,7 +4,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::OptionalIndex;
 use cranny_geometry::hull::{ConvexHull, FacetId, HullKind, HullVertexId};
-use cranny_geometry::rows::rows;
+use cranny_geometry::rows::{row, rows};
 use thiserror::Error;
 
 /// An edge of the merged layer, by one of its two half-edges: the lower one.
@@ -212,16 +212,14 @@ impl FeatureGraph {
     /// Half-edges that leave a vertex in the merged layer, with their ids. None at a vertex that
     /// the merged layer leaves out, or of a point.
     pub(super) fn fan(&self, vertex: HullVertexId) -> impl Iterator<Item = (u32, &HalfEdge)> {
-        let row =
-            self.fan_starts[vertex.index()] as usize..self.fan_starts[vertex.index() + 1] as usize;
-        self.fans[row].iter().map(|&h| (h, &self.half_edges[h as usize]))
+        self.fans[row(&self.fan_starts, vertex.index())]
+            .iter()
+            .map(|&h| (h, &self.half_edges[h as usize]))
     }
 
     /// Neighbours on the exact hull, and where they are.
     pub(super) fn rim(&self, vertex: HullVertexId) -> &[(HullVertexId, DVec3)] {
-        let row =
-            self.rim_starts[vertex.index()] as usize..self.rim_starts[vertex.index() + 1] as usize;
-        &self.rim[row]
+        &self.rim[row(&self.rim_starts, vertex.index())]
     }
 
     /// Whether a feature is one of this hull: what a caller hands in as last frame's may be stale.
