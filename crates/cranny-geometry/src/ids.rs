@@ -90,9 +90,6 @@ impl OptionalIndex {
 plain_struct!(VertexId(u32));
 plain_struct!(FaceId(u32));
 plain_struct!(HalfEdgeId(u32));
-plain_struct!(EdgeId(u32));
-plain_struct!(ComponentId(u32));
-plain_struct!(PatchId(u32));
 
 #[cfg(test)]
 mod tests {

@@ -110,24 +110,6 @@ impl<T: Plain, const N: usize> Plain for [T; N] {
     }
 }
 
-impl Plain for DVec3 {
-    const SIZE: usize = 24;
-
-    fn put(self, out: &mut Vec<u8>) {
-        self.to_array().put(out);
-    }
-
-    #[inline(always)]
-    fn get(bytes: &[u8]) -> Self {
-        Self::from_array(Plain::get(bytes))
-    }
-
-    fn get_all(bytes: &[u8]) -> Vec<Self> {
-        let (items, _) = bytes.as_chunks::<{ <Self as Plain>::SIZE }>();
-        items.iter().map(|item| Self::get(item)).collect()
-    }
-}
-
 /// Makes a struct [`Plain`], field by field: a field left out does not compile.
 macro_rules! plain_struct {
     ($name:ident($kind:ty)) => {
@@ -181,34 +163,7 @@ macro_rules! plain_struct {
 }
 pub(crate) use plain_struct;
 
-/// One of a few things, written as a byte.
-pub(crate) trait Coded: Copy {
-    /// Its byte.
-    fn code(self) -> u8;
-    /// The thing with this byte; some other one, if there is none.
-    fn nearest(code: u8) -> Self;
-    /// The thing with this byte, if there is one.
-    fn of_code(code: u8) -> Option<Self> {
-        let nearest = Self::nearest(code);
-        (nearest.code() == code).then_some(nearest)
-    }
-}
-
-/// Numbers the variants of an enum: one left out does not compile.
-macro_rules! coded {
-    ($name:ty { $first:pat => 0 => $least:expr $(, $variant:pat => $code:literal => $value:expr)* $(,)? }) => {
-        impl $crate::codec::Coded for $name {
-            fn code(self) -> u8 {
-                match self { $first => 0 $(, $variant => $code)* }
-            }
-
-            fn nearest(code: u8) -> Self {
-                match code { $($code => $value,)* _ => $least }
-            }
-        }
-    };
-}
-pub(crate) use coded;
+plain_struct!(DVec3 { x: f64, y: f64, z: f64 });
 
 /// Whether all are below a limit; looks at all, which is quicker than stopping at the first that is
 /// not.

@@ -1,6 +1,6 @@
 //! Bytes in: never more than there are.
 
-use super::{Coded, Flaw, Plain, check};
+use super::{Flaw, Plain, check};
 
 /// What remains of a file or a section.
 #[derive(Clone, Debug)]
@@ -41,11 +41,6 @@ impl<'a> Reader<'a> {
         Ok(T::get_all(self.bytes_of(count, T::SIZE)?))
     }
 
-    /// One variant.
-    pub(crate) fn code<T: Coded>(&mut self) -> Result<T, Flaw> {
-        Ok(T::of_code(self.one()?).ok_or("a byte stands for nothing known")?)
-    }
-
     /// The section that comes next, by its tag.
     pub(crate) fn section(&mut self, tag: [u8; 4]) -> Result<Self, Flaw> {
         let found: [u8; 4] = self.one()?;
@@ -54,13 +49,8 @@ impl<'a> Reader<'a> {
         Ok(Self::new(self.bytes_of(length, 1)?))
     }
 
-    /// Whether nothing is left.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.rest.is_empty()
-    }
-
     /// That nothing is left.
     pub(crate) fn end(&self) -> Result<(), Flaw> {
-        check(self.is_empty(), "something follows its end")
+        check(self.rest.is_empty(), "something follows its end")
     }
 }

@@ -9,20 +9,13 @@ use super::outline::Outlines;
 use super::quickhull::HullSurface;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId, Leaving};
 use crate::codec::{
-    Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
-    is_unit, owners_of_rows, plain_struct,
+    Flaw, Reader, Writer, check, check_below, check_rows, is_flatness, is_size, is_unit,
+    owners_of_rows, plain_struct,
 };
 use crate::ids::VertexId;
 use crate::late::Late;
 use crate::mesh::Mesh;
 
-coded!(HullKind {
-    Self::Empty => 0 => Self::Empty,
-    Self::Point => 1 => Self::Point,
-    Self::Segment => 2 => Self::Segment,
-    Self::Polygon => 3 => Self::Polygon,
-    Self::Volume => 4 => Self::Volume,
-});
 plain_struct!(HullVertexId(u32));
 plain_struct!(FacetId(u32));
 plain_struct!(Plane { normal: DVec3, offset: f64, thickness: f64 });
@@ -31,7 +24,7 @@ impl ConvexHull {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { kind, sources, surface, facets, excluded, .. } = self;
         let HullSurface { triangles, twins } = surface;
-        out.one(kind.code());
+        out.one(*kind as u8);
         out.list(sources);
         out.list(triangles);
         out.list(twins);
@@ -43,7 +36,7 @@ impl ConvexHull {
     /// exactly, and that its box, which is the body's, holds the other vertices; not that it does.
     /// Its graph is made at its first use.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let kind: HullKind = input.code()?;
+        let kind = HullKind::of_code(input.one()?).ok_or("a byte stands for nothing known")?;
         let sources: Vec<VertexId> = input.list()?;
         let surface = HullSurface { triangles: input.list()?, twins: input.list()? };
         check_below(sources.iter().map(|v| v.0), mesh.vertices().len(), "a vertex is not there")?;

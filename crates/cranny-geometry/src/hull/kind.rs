@@ -17,6 +17,12 @@ pub enum HullKind {
 }
 
 impl HullKind {
+    /// The kind that a saved hull names by this byte, its place in the list above.
+    pub(super) fn of_code(code: u8) -> Option<Self> {
+        let all = [Self::Empty, Self::Point, Self::Segment, Self::Polygon, Self::Volume];
+        all.into_iter().find(|kind| *kind as u8 == code)
+    }
+
     /// Whether a hull of this dimension can have as many vertices and triangles.
     pub(super) fn allows(self, vertices: usize, triangles: usize) -> bool {
         match self {

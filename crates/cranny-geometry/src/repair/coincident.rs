@@ -61,7 +61,7 @@ pub(super) fn superfluous(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
 }
 
 /// Groups of copies that hang together over edges.
-fn clusters(topology: &Topology, alike: Vec<Vec<FaceId>>) -> Vec<Vec<Vec<FaceId>>> {
+fn clusters(topology: &Topology, mut alike: Vec<Vec<FaceId>>) -> Vec<Vec<Vec<FaceId>>> {
     let mut sets = DisjointSets::new(alike.len());
     let mut seen: BTreeMap<EdgeId, usize> = BTreeMap::new();
     for (i, copies) in alike.iter().enumerate() {
@@ -70,11 +70,8 @@ fn clusters(topology: &Topology, alike: Vec<Vec<FaceId>>) -> Vec<Vec<Vec<FaceId>
             sets.union(first, i);
         }
     }
-    let mut clusters: BTreeMap<usize, Vec<Vec<FaceId>>> = BTreeMap::new();
-    for (i, copies) in alike.into_iter().enumerate() {
-        clusters.entry(sets.find(i)).or_default().push(copies);
-    }
-    clusters.into_values().collect()
+    let mut taken = |i: usize| std::mem::take(&mut alike[i]);
+    sets.groups().into_iter().map(|group| group.into_iter().map(&mut taken).collect()).collect()
 }
 
 fn edges(topology: &Topology, face: FaceId) -> impl Iterator<Item = EdgeId> + use<'_> {
