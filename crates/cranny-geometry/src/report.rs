@@ -117,3 +117,11 @@ pub struct Finding {
     /// How many such places this finding stands for; 1 but for kinds that are summed up.
     pub count: usize,
 }
+
+impl Finding {
+    /// Of one place.
+    #[must_use]
+    pub fn one(kind: FindingKind, ids: Vec<u32>, at: DVec3, measure: f64) -> Self {
+        Self { kind, ids, at, measure, count: 1 }
+    }
+}

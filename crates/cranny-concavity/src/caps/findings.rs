@@ -75,5 +75,6 @@ fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
 fn finding(kind: FindingKind, ids: Vec<u32>, mesh: &Mesh, measure: f64) -> Finding {
     let ids = each_once(ids);
     let sum: DVec3 = ids.iter().map(|&v| mesh.position(VertexId(v))).sum();
-    Finding { kind, at: sum / ids.len().max(1) as f64, ids, measure, count: 1 }
+    let at = sum / ids.len().max(1) as f64;
+    Finding::one(kind, ids, at, measure)
 }

@@ -207,7 +207,8 @@ pub(super) fn mean_normal(surface: &Surface, faces: &[FaceId]) -> [f32; 3] {
     mean.to_array().map(|x| x as f32)
 }
 
-fn named<T: Copy>(ids: &[T]) -> [T; LANES] {
+fn named<T: Copy>(ids: impl Iterator<Item = T>) -> [T; LANES] {
+    let ids: Vec<T> = ids.collect();
     std::array::from_fn(|i| ids.get(i).copied().unwrap_or(ids[0]))
 }
 
@@ -225,8 +226,8 @@ pub(super) fn faces(
     };
     let (zero, none) = (Lanes::all(0.0), Lanes3::of(std::iter::empty()));
     let mut lanes = FaceLanes {
-        ids: named(faces),
-        patches: named(&faces.iter().map(|&f| patches.patch_of_face(f)).collect::<Vec<_>>()),
+        ids: named(all()),
+        patches: named(all().map(|f| patches.patch_of_face(f))),
         count: faces.len() as u32,
         rims: [rims(0), rims(1), rims(2)],
         normal: Lanes3::of(all().map(|face| surface.normal(face))),
@@ -271,8 +272,8 @@ pub(super) fn corners(
     let chunks = vertices.chunks(LANES).map(|chunk| {
         let is_tip = |v: &VertexId| u32::from(tips[v.index()].may_be());
         CornerLanes {
-            ids: named(chunk),
-            patches: named(&chunk.iter().map(|&v| patch(v)).collect::<Vec<_>>()),
+            ids: named(chunk.iter().copied()),
+            patches: named(chunk.iter().map(|&v| patch(v))),
             count: chunk.len() as u32,
             tips: chunk.iter().enumerate().map(|(i, v)| is_tip(v) << i).sum(),
             points: Lanes3::of(chunk.iter().map(|v| from(surface.places[v.index()]))),
@@ -291,13 +292,8 @@ pub(super) fn ridges(
     let chunks = edges.chunks(LANES).map(|chunk| {
         let arcs: Vec<Arc> = chunk.iter().map(|&edge| Arc::of(surface, edge)).collect();
         RidgeLanes {
-            ids: named(chunk),
-            patches: named(
-                &chunk
-                    .iter()
-                    .map(|&e| patches.patch_of_edge(surface.topology, e))
-                    .collect::<Vec<_>>(),
-            ),
+            ids: named(chunk.iter().copied()),
+            patches: named(chunk.iter().map(|&e| patches.patch_of_edge(surface.topology, e))),
             count: chunk.len() as u32,
             starts: Lanes3::of(arcs.iter().map(|arc| from(arc.start))),
             spans: Lanes3::of(arcs.iter().map(|arc| arc.span)),

@@ -128,24 +128,16 @@ pub(super) fn t_vertex_findings(
 ) -> Vec<Finding> {
     let finding = |t: &TVertex| {
         let edge = topology.edges()[t.edge.index()];
-        Finding {
-            kind: FindingKind::TVertex,
-            ids: vec![t.vertex.0, edge.from.0, edge.to.0],
-            at: mesh.position(t.vertex),
-            measure: t.distance,
-            count: 1,
-        }
+        let ids = vec![t.vertex.0, edge.from.0, edge.to.0];
+        Finding::one(FindingKind::TVertex, ids, mesh.position(t.vertex), t.distance)
     };
     found.iter().map(finding).collect()
 }
 
 pub(super) fn near_findings(mesh: &Mesh, found: &[Near]) -> Vec<Finding> {
-    let finding = |near: &Near| Finding {
-        kind: FindingKind::NearVertices,
-        ids: vec![near.leader.0, near.vertex.0],
-        at: mesh.position(near.leader),
-        measure: near.distance,
-        count: 1,
+    let finding = |near: &Near| {
+        let ids = vec![near.leader.0, near.vertex.0];
+        Finding::one(FindingKind::NearVertices, ids, mesh.position(near.leader), near.distance)
     };
     found.iter().map(finding).collect()
 }

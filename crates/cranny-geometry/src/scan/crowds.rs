@@ -20,7 +20,7 @@ use super::stars::Stars;
 use crate::ids::{FaceId, HalfEdgeId, OptionalIndex, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
-use crate::tree::{Content, FaceTree, Grower, Node};
+use crate::tree::{Content, FaceTree, Grower};
 
 /// Faces that make a crowd. Fewer, and the pairs are judged as soon as paired by directions; more,
 /// and the pairs of so many faces are judged at every vertex of that degree.
@@ -86,11 +86,10 @@ impl<'a> Crowds<'a> {
         &self,
         mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let mut boxes = Boxes::default();
         for &vertex in &self.judged {
             let faces = self.topology.faces_at(vertex).iter();
             let arc = |&face: &FaceId| Some((face, about_point(self.mesh, vertex, face)?));
-            boxes.pairs(faces.filter_map(arc), &mut visit)?;
+            overlapping_arcs(faces.filter_map(arc), &mut visit)?;
         }
         for couple in &self.couples {
             let couple = couple.map(VertexId);
@@ -104,33 +103,25 @@ impl<'a> Crowds<'a> {
                     .filter(move |face| belongs(face, v))
                     .filter_map(move |face| Some((face, line.about(self.mesh, v, face)?)))
             });
-            boxes.pairs(arcs, |f, g| match belongs(&f, couple[0]) == belongs(&g, couple[0]) {
-                true => ControlFlow::Continue(()),
-                false => visit(f, g),
+            overlapping_arcs(arcs, |f, g| {
+                match belongs(&f, couple[0]) == belongs(&g, couple[0]) {
+                    true => ControlFlow::Continue(()),
+                    false => visit(f, g),
+                }
             })?;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// A tree of boxes around arcs, rebuilt for each crowd.
-#[derive(Default)]
-struct Boxes {
-    nodes: Vec<Node>,
-    faces: Vec<FaceId>,
-}
-
-impl Boxes {
-    fn pairs(
-        &mut self,
-        arcs: impl Iterator<Item = (FaceId, Aabb)>,
-        visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        self.nodes.clear();
-        self.faces.clear();
-        Grower::new(1).grow(arcs, &mut self.nodes, &mut self.faces);
-        overlapping_pairs(&self.nodes, &self.faces, |_, _| true, visit)
-    }
+/// Calls `visit` with pairs of faces whose boxes around arcs overlap.
+fn overlapping_arcs(
+    arcs: impl Iterator<Item = (FaceId, Aabb)>,
+    visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut tree = FaceTree::default();
+    Grower::new(1).grow(arcs, &mut tree);
+    overlapping_pairs(&tree, |_, _| true, visit)
 }
 
 fn crowds_of_faces(mesh: &Mesh, topology: &Topology, crowded: &[VertexId]) -> Vec<OptionalIndex> {

@@ -28,13 +28,8 @@ pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
             EdgeKind::Balanced | EdgeKind::Tangled => FindingKind::NonManifoldEdge,
         };
         let (p, q) = (mesh.position(edge.from), mesh.position(edge.to));
-        findings.push(Finding {
-            kind,
-            ids: topology.half_edges(EdgeId(e as u32)).iter().map(|h| h.face().0).collect(),
-            at: 0.5 * (p + q),
-            measure: (q - p).length(),
-            count: 1,
-        });
+        let faces = topology.half_edges(EdgeId(e as u32)).iter().map(|h| h.face().0);
+        findings.push(Finding::one(kind, faces.collect(), 0.5 * (p + q), (q - p).length()));
     }
     findings
 }
@@ -64,13 +59,8 @@ pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Fi
             a == b || b == c || c == a
         });
         if fans > 1 && !collapsed {
-            findings.push(Finding {
-                kind: FindingKind::NonManifoldVertex,
-                ids: vec![vertex.0],
-                at: mesh.position(vertex),
-                measure: fans as f64,
-                count: 1,
-            });
+            let (kind, at) = (FindingKind::NonManifoldVertex, mesh.position(vertex));
+            findings.push(Finding::one(kind, vec![vertex.0], at, fans as f64));
         }
     }
     findings

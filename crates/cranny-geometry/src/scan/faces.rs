@@ -74,7 +74,7 @@ pub(super) fn thin(mesh: &Mesh, looked: &Looked, weld_distance: f64) -> Vec<Find
         };
         let unusual = kind == FindingKind::ZeroAreaFace || measure <= weld_distance;
         let at = (a + b + c) / 3.0;
-        unusual.then(|| Finding { kind, ids: vec![face.0], at, measure, count: 1 })
+        unusual.then(|| Finding::one(kind, vec![face.0], at, measure))
     };
     low.iter().filter_map(|&face| finding(face)).collect()
 }
@@ -124,13 +124,10 @@ pub(super) fn in_one_place(mesh: &Mesh, groups: &[Vec<FaceId>]) -> Vec<Finding> 
     let finding = |group: &Vec<FaceId>| {
         let upward = |f: &FaceId| runs_upward(mesh.faces()[f.index()]);
         let alike = group.iter().all(|f| upward(f) == upward(&group[0]));
-        Finding {
-            kind: if alike { FindingKind::DuplicateFaces } else { FindingKind::OppositeFaces },
-            ids: group.iter().map(|f| f.0).collect(),
-            at: mesh.triangle(group[0]).iter().sum::<DVec3>() / 3.0,
-            measure: mesh.area_vector(group[0]).length(),
-            count: 1,
-        }
+        let kind = if alike { FindingKind::DuplicateFaces } else { FindingKind::OppositeFaces };
+        let at = mesh.triangle(group[0]).iter().sum::<DVec3>() / 3.0;
+        let ids = group.iter().map(|f| f.0).collect();
+        Finding::one(kind, ids, at, mesh.area_vector(group[0]).length())
     };
     groups.iter().map(finding).collect()
 }

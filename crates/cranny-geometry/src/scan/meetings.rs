@@ -70,9 +70,7 @@ pub(super) fn meetings(
     let mut views = Views::of(mesh, topology, tree, turns);
     let opens = |i, j| if i == j { !views.is_clear(i) } else { !crowds.settle(i, j) };
     let ended = match crowds.pairs(|f, g| look_at(f, g, true)) {
-        ControlFlow::Continue(()) => {
-            overlapping_pairs(tree.nodes(), tree.faces(), opens, |f, g| look_at(f, g, false))
-        }
+        ControlFlow::Continue(()) => overlapping_pairs(tree, opens, |f, g| look_at(f, g, false)),
         stopped => stopped,
     };
     let scan = match ended {
@@ -87,7 +85,7 @@ fn findings(mesh: &Mesh, found: Vec<(FindingKind, [FaceId; 2])>) -> Vec<Finding>
         let [a, b] = pair.map(|f| Aabb::of_points(mesh.triangle(f)));
         let common = Aabb { min: a.min.max(b.min), max: a.max.min(b.max) };
         let ids = pair.map(|f| f.0).to_vec();
-        Finding { kind, ids, at: common.center(), measure: common.diagonal(), count: 1 }
+        Finding::one(kind, ids, common.center(), common.diagonal())
     };
     // Two crowds may have two faces in common.
     each_once(found).into_iter().map(finding).collect()

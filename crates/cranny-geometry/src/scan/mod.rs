@@ -112,8 +112,8 @@ fn shell_findings(
     let disagreement = shells::disagreement(mesh.faces().len(), topology);
     for group in &disagreement.turned {
         let ids = group.iter().map(|f| f.0).collect();
-        let (kind, at) = (FindingKind::BackFaces, middle(group[0]));
-        findings.push(Finding { kind, ids, at, measure: area(group), count: 1 });
+        let at = middle(group[0]);
+        findings.push(Finding::one(FindingKind::BackFaces, ids, at, area(group)));
     }
     let mut areas = vec![0.0; topology.components().len()];
     if !disagreement.twisted.is_empty() {
@@ -124,8 +124,7 @@ fn shell_findings(
     for &face in &disagreement.twisted {
         let component = topology.component_of(face);
         let (kind, at) = (FindingKind::NonOrientable, middle(face));
-        let measure = areas[component.index()];
-        findings.push(Finding { kind, ids: vec![component.0], at, measure, count: 1 });
+        findings.push(Finding::one(kind, vec![component.0], at, areas[component.index()]));
     }
     for (component, shell) in shells.iter().enumerate() {
         let kind = match (shell.looks, shell.inside.is_empty()) {
@@ -136,7 +135,7 @@ fn shell_findings(
         };
         let mut ids = vec![component as u32];
         ids.extend(shell.inside.iter().map(|&ComponentId(id)| id));
-        findings.push(Finding { kind, ids, at: shell.center, measure: shell.volume, count: 1 });
+        findings.push(Finding::one(kind, ids, shell.center, shell.volume));
     }
     if shells.len() > 1 {
         let bounds = tree.node(0).bounds;

@@ -8,37 +8,35 @@
 use std::ops::ControlFlow;
 
 use crate::ids::FaceId;
-use crate::tree::{Content, Node};
+use crate::tree::{Content, FaceTree};
 
 /// Calls `visit` with every two faces of different leaves, or of one, whose leaves' boxes overlap:
 /// each pair once. `opens` is called for a node before its faces are paired with each other (twice
 /// the same node), and before those of two nodes are; what it refuses is passed over. `visit` may
 /// end the search.
 pub(super) fn overlapping_pairs(
-    nodes: &[Node],
-    faces: &[FaceId],
+    tree: &FaceTree,
     mut opens: impl FnMut(u32, u32) -> bool,
     mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let content = |i: u32| nodes[i as usize].content_at(i);
-    let leaf = |start: u32, end: u32| &faces[start as usize..end as usize];
-    let mut stack = if nodes.is_empty() { Vec::new() } else { vec![(0u32, 0u32)] };
+    let leaf = |start: u32, end: u32| &tree.faces()[start as usize..end as usize];
+    let mut stack = if tree.nodes().is_empty() { Vec::new() } else { vec![(0u32, 0u32)] };
     while let Some((i, j)) = stack.pop() {
         if !opens(i, j) {
             continue;
         }
         let mut push = |i: u32, j: u32| {
-            let [a, b] = [i, j].map(|node| &nodes[node as usize].bounds);
+            let [a, b] = [i, j].map(|node| &tree.node(node).bounds);
             let along = |axis: usize| (a.min[axis] <= b.max[axis]) & (b.min[axis] <= a.max[axis]);
             // Taken back where they do not overlap: without a branch that nobody can predict.
             stack.push((i, j));
             stack.truncate(stack.len() - usize::from(!(along(0) & along(1) & along(2))));
         };
-        match (content(i), content(j)) {
+        match (tree.content(i), tree.content(j)) {
             (Content::Inner { left, right }, _) if i == j => {
                 push(left, right);
                 // One face alone is no pair.
-                let has_pairs = |node: &u32| nodes[*node as usize].count() != 1;
+                let has_pairs = |node: &u32| tree.node(*node).count() != 1;
                 stack.extend([left, right].into_iter().filter(has_pairs).map(|node| (node, node)));
             }
             (Content::Leaf { start, end }, _) if i == j => {
@@ -49,7 +47,7 @@ pub(super) fn overlapping_pairs(
             }
             // The larger box is opened; a leaf cannot be.
             (Content::Inner { left, right }, other)
-                if matches!(other, Content::Leaf { .. }) || is_larger(nodes, i, j) =>
+                if matches!(other, Content::Leaf { .. }) || is_larger(tree, i, j) =>
             {
                 push(left, j);
                 push(right, j);
@@ -69,9 +67,9 @@ pub(super) fn overlapping_pairs(
     ControlFlow::Continue(())
 }
 
-fn is_larger(nodes: &[Node], i: u32, j: u32) -> bool {
+fn is_larger(tree: &FaceTree, i: u32, j: u32) -> bool {
     let size = |n: u32| {
-        let b = nodes[n as usize].bounds;
+        let b = tree.node(n).bounds;
         (b.max - b.min).element_sum()
     };
     size(i) >= size(j)

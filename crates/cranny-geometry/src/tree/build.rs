@@ -15,7 +15,7 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::lattice::{Extent, LatticeBox, LatticeFrame, LatticeItem};
-use super::{Content, Node};
+use super::{Content, FaceTree, Node};
 use crate::ids::FaceId;
 
 /// Bins per split at most. Fewer: worse trees; more: slower building for less than 1 % fewer tests.
@@ -70,14 +70,13 @@ impl Grower {
         Self { leaf_size: leaf_size.max(1), ..Self::default() }
     }
 
-    /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.
+    /// Appends the tree over some boxes to an arena.
     pub(crate) fn grow(
         &mut self,
         boxes: impl Iterator<Item = (FaceId, Aabb)>,
-        nodes: &mut Vec<Node>,
-        leaves: &mut Vec<FaceId>,
+        arena: &mut FaceTree,
     ) {
-        self.grow_pairs(boxes.map(|own| (own, None)), nodes, leaves);
+        self.grow_pairs(boxes.map(|own| (own, None)), arena);
     }
 
     /// The same over things alone and in pairs, which are parted last, where leaves are smaller
@@ -85,8 +84,7 @@ impl Grower {
     pub(super) fn grow_pairs(
         &mut self,
         things: impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)>,
-        nodes: &mut Vec<Node>,
-        leaves: &mut Vec<FaceId>,
+        arena: &mut FaceTree,
     ) {
         let frame = LatticeFrame::of(&self.list(things));
         if self.names.is_empty() {
@@ -100,12 +98,12 @@ impl Grower {
         self.tasks.push(Task { start: 0, extent, scale, parent: None });
         while let Some(Task { start, mut extent, mut scale, parent }) = self.tasks.pop() {
             if let Some(parent) = parent {
-                nodes[parent].content = nodes.len() as u32;
+                arena.nodes[parent].content = arena.nodes.len() as u32;
             }
             // Down the left children.
             while extent.count as usize > FEW && extent.things as usize > self.leaf_size {
-                let id = nodes.len();
-                nodes.push(INNER);
+                let id = arena.nodes.len();
+                arena.nodes.push(INNER);
                 self.stem.push(id);
                 let items = &mut self.items[start..start + extent.count as usize];
                 if lay_anew(items, &self.boxes, &extent.centers, &mut scale) {
@@ -118,13 +116,13 @@ impl Grower {
             }
             let items = &mut self.items[start..start + extent.count as usize];
             let (faces, boxes) = (&self.faces, &self.boxes);
-            let mut twigs = Twigs { leaf_size: self.leaf_size, faces, boxes, nodes, leaves };
+            let mut twigs = Twigs { leaf_size: self.leaf_size, faces, boxes, arena };
             twigs.grow(items, extent.things as usize, scale);
         }
         for &index in self.stem.iter().rev() {
-            if let Content::Inner { left, right } = nodes[index].content_at(index as u32) {
-                let both = nodes[left as usize].bounds.union(&nodes[right as usize].bounds);
-                nodes[index].bounds = both;
+            if let Content::Inner { left, right } = arena.content(index as u32) {
+                let both = arena.node(left).bounds.union(&arena.node(right).bounds);
+                arena.nodes[index].bounds = both;
             }
         }
     }
@@ -176,8 +174,7 @@ struct Twigs<'a> {
     leaf_size: usize,
     faces: &'a [FaceId],
     boxes: &'a [Aabb],
-    nodes: &'a mut Vec<Node>,
-    leaves: &'a mut Vec<FaceId>,
+    arena: &'a mut FaceTree,
 }
 
 impl Twigs<'_> {
@@ -186,12 +183,12 @@ impl Twigs<'_> {
         if things <= self.leaf_size {
             return self.leaf(items);
         }
-        let id = self.nodes.len();
-        self.nodes.push(INNER);
+        let id = self.arena.nodes.len();
+        self.arena.nodes.push(INNER);
         if let [pair] = items {
             let Range { start, end } = numbers(pair.name() as u32);
             let left = self.single(start);
-            self.nodes[id].content = self.nodes.len() as u32;
+            self.arena.nodes[id].content = self.arena.nodes.len() as u32;
             let right = self.single(end - 1);
             return self.fit(id, &left, &right);
         }
@@ -208,14 +205,14 @@ impl Twigs<'_> {
         let (left, right) = items.split_at_mut(cut);
         let on_left = left.iter().map(|item| item.things() as usize).sum();
         let left_box = self.grow(left, on_left, scale);
-        self.nodes[id].content = self.nodes.len() as u32;
+        self.arena.nodes[id].content = self.arena.nodes.len() as u32;
         let right_box = self.grow(right, things - on_left, scale);
         self.fit(id, &left_box, &right_box)
     }
 
     fn fit(&mut self, node: usize, left: &Aabb, right: &Aabb) -> Aabb {
         let both = left.union(right);
-        self.nodes[node].bounds = both;
+        self.arena.nodes[node].bounds = both;
         both
     }
 
@@ -225,22 +222,22 @@ impl Twigs<'_> {
         {
             return self.single(item.name());
         }
-        let first = self.leaves.len();
+        let first = self.arena.faces.len();
         let mut bounds = Aabb::EMPTY;
         for number in items.iter().flat_map(|item| numbers(item.name() as u32)) {
             bounds = bounds.union(&self.boxes[number]);
-            self.leaves.push(self.faces[number]);
+            self.arena.faces.push(self.faces[number]);
         }
-        let count = (self.leaves.len() - first) as u32;
-        self.nodes.push(Node { bounds, content: first as u32, count });
+        let count = (self.arena.faces.len() - first) as u32;
+        self.arena.nodes.push(Node { bounds, content: first as u32, count });
         bounds
     }
 
     /// A leaf of one thing.
     fn single(&mut self, number: usize) -> Aabb {
-        let (bounds, content) = (self.boxes[number], self.leaves.len() as u32);
-        self.leaves.push(self.faces[number]);
-        self.nodes.push(Node { bounds, content, count: 1 });
+        let (bounds, content) = (self.boxes[number], self.arena.faces.len() as u32);
+        self.arena.faces.push(self.faces[number]);
+        self.arena.nodes.push(Node { bounds, content, count: 1 });
         bounds
     }
 }
@@ -359,8 +356,9 @@ mod tests {
 
     fn leaves(places: impl Iterator<Item = f64>) -> Vec<u32> {
         let cube = |x: f64| Aabb { min: DVec3::X * x, max: DVec3::X * x + 1e-4 };
-        let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        Grower::new(1).grow(numbered(places.map(cube)), &mut nodes, &mut leaves);
+        let mut tree = FaceTree::default();
+        Grower::new(1).grow(numbered(places.map(cube)), &mut tree);
+        let FaceTree { nodes, faces: leaves } = tree;
         assert_eq!(nodes.len() + 1, 2 * leaves.len());
         leaves.into_iter().map(|face: FaceId| face.0).collect()
     }
@@ -385,8 +383,9 @@ mod tests {
             let (reach, off) = (f64::from(1 + i % 7), f64::from(i % 3) / 2048.0);
             Aabb { min: DVec3::X * -reach, max: DVec3::X * (reach + off) }
         };
-        let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        Grower::new(1).grow(numbered((0..40).map(long)), &mut nodes, &mut leaves);
+        let mut tree = FaceTree::default();
+        Grower::new(1).grow(numbered((0..40).map(long)), &mut tree);
+        let FaceTree { nodes, faces: mut leaves } = tree;
         leaves.sort_unstable();
         assert_eq!((leaves, nodes.len()), ((0..40).map(FaceId).collect(), 79));
     }
@@ -396,10 +395,10 @@ mod tests {
         // 30 boxes at the left, 10 at the right: the root divides them there.
         let at = |i: u32| f64::from(i) + if i < 30 { 0.0 } else { 100.0 };
         let cube = |i: u32| Aabb { min: DVec3::X * at(i), max: DVec3::X * at(i) + 1.0 };
-        let (mut nodes, mut order) = (Vec::new(), Vec::new());
-        Grower::new(4).grow(numbered((0..40).map(cube)), &mut nodes, &mut order);
-        let Content::Inner { left, right } = nodes[0].content_at(0) else { panic!("one leaf") };
-        let ends = [left, right].map(|n| nodes[n as usize].bounds);
+        let mut tree = FaceTree::default();
+        Grower::new(4).grow(numbered((0..40).map(cube)), &mut tree);
+        let Content::Inner { left, right } = tree.content(0) else { panic!("one leaf") };
+        let ends = [left, right].map(|n| tree.node(n).bounds);
         assert_eq!(ends.map(|b| (b.min.x, b.max.x)), [(0.0, 30.0), (130.0, 140.0)]);
     }
 

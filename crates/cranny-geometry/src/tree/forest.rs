@@ -36,7 +36,7 @@ impl FaceForest {
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
         Self::made(groups, |_, group, arena| {
-            grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+            grower.grow(face_boxes(mesh, group), arena);
         })
     }
 
@@ -53,7 +53,7 @@ impl FaceForest {
             if !group.is_empty() && tree.is_worth_pruning(group.len()) {
                 tree.prune(mesh, group, leaf_size, arena);
             } else {
-                grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+                grower.grow(face_boxes(mesh, group), arena);
             }
         })
     }
@@ -64,7 +64,7 @@ impl FaceForest {
         groups: impl IntoIterator<Item = &'g [FaceId]>,
         mut make: impl FnMut(usize, &[FaceId], &mut FaceTree),
     ) -> Self {
-        let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
+        let mut arena = FaceTree::default();
         let mut starts = vec![[0, 0]];
         for (number, group) in groups.into_iter().enumerate() {
             make(number, group, &mut arena);
@@ -87,7 +87,7 @@ impl FaceForest {
         let mut grower = Grower::new(leaf_size);
         Self::made(groups, |group, faces, arena| {
             let Some(tree) = kept(group) else {
-                grower.grow(face_boxes(mesh, faces), &mut arena.nodes, &mut arena.faces);
+                grower.grow(face_boxes(mesh, faces), arena);
                 return;
             };
             let [from_node, from_face] = self.starts[tree];

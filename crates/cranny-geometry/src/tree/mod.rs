@@ -45,15 +45,6 @@ impl Node {
     pub(crate) fn count(&self) -> u32 {
         self.count
     }
-
-    /// What it holds, standing at `index` of its array.
-    pub(crate) fn content_at(&self, index: u32) -> Content {
-        if self.count == 0 {
-            Content::Inner { left: index + 1, right: self.content }
-        } else {
-            Content::Leaf { start: self.content, end: self.content + self.count }
-        }
-    }
 }
 
 /// What a node holds.
@@ -76,7 +67,7 @@ pub enum Content {
 }
 
 /// A tree over faces of a mesh: all of them, or some.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct FaceTree {
     nodes: Vec<Node>,
     faces: Vec<FaceId>,
@@ -98,7 +89,7 @@ impl FaceTree {
     pub fn over(mesh: &Mesh, faces: &[FaceId], leaf_size: usize) -> Self {
         let mut tree = Self::with_capacity(faces.len(), leaf_size);
         let boxes = face_boxes(mesh, faces);
-        Grower::new(leaf_size).grow(boxes, &mut tree.nodes, &mut tree.faces);
+        Grower::new(leaf_size).grow(boxes, &mut tree);
         tree
     }
 
@@ -114,7 +105,7 @@ impl FaceTree {
             // The lesser of two speaks for both.
             mate.is_none_or(|mate| face < mate).then(|| (boxed(face), mate.map(boxed)))
         });
-        Grower::new(leaf_size).grow_pairs(pairs, &mut tree.nodes, &mut tree.faces);
+        Grower::new(leaf_size).grow_pairs(pairs, &mut tree);
         tree
     }
 
@@ -146,7 +137,11 @@ impl FaceTree {
     #[must_use]
     #[inline]
     pub fn content(&self, index: u32) -> Content {
-        self.node(index).content_at(index)
+        let &Node { content, count, .. } = self.node(index);
+        match count {
+            0 => Content::Inner { left: index + 1, right: content },
+            _ => Content::Leaf { start: content, end: content + count },
+        }
     }
 
     /// The faces of a leaf; none for an inner node.

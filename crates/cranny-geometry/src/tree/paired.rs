@@ -23,7 +23,7 @@ impl PairedStep {
     pub fn of_larger(trees: [&FaceTree; 2], nodes: [u32; 2]) -> Self {
         let size = |b: &Aabb| (b.max - b.min).length_squared();
         let [a, b]: [&Node; 2] = [trees[0].node(nodes[0]), trees[1].node(nodes[1])];
-        match (a.content_at(nodes[0]), b.content_at(nodes[1])) {
+        match (trees[0].content(nodes[0]), trees[1].content(nodes[1])) {
             (Content::Leaf { .. }, Content::Leaf { .. }) => Self::Leaves,
             (Content::Inner { left, right }, Content::Leaf { .. }) => Self::First(left, right),
             (Content::Leaf { .. }, Content::Inner { left, right }) => Self::Second(left, right),
