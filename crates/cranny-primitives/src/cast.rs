@@ -185,7 +185,7 @@ impl RoundCast<'_> {
             if time > 0.0 && left <= TOLERANCE * size {
                 return Some((time, least));
             }
-            let closing = self.outward(&least).dot(self.travel);
+            let closing = self.solid.outward_at(&least).dot(self.travel);
             // A convex distance that does not fall never will: the two part, or slide along.
             let slides = left <= 0.0 && closing <= SLIDING * self.travel.length();
             if closing <= 0.0 || slides {
@@ -203,13 +203,8 @@ impl RoundCast<'_> {
         Some((time, self.solid.least_on_triangle(&moved)))
     }
 
-    /// From the solid to the face.
-    fn outward(&self, least: &LeastOnTriangle) -> DVec3 {
-        least.outward.unwrap_or_else(|| self.solid.core_foot(least.point).outward)
-    }
-
     fn hit(&self, time: f64, least: &LeastOnTriangle) -> PrimitiveCast {
-        let outward = self.outward(least);
+        let outward = self.solid.outward_at(least);
         let moved = time * self.travel;
         PrimitiveCast::Hit {
             time,

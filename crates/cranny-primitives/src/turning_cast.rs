@@ -103,7 +103,7 @@ impl TurningCast<'_> {
             let placed = corners.map(|corner| solid_from_model.apply(corner));
             let least = self.solid.least_on_triangle(&placed);
             let left = least.signed - self.solid.radius();
-            let outward = self.outward(&least);
+            let outward = self.solid.outward_at(&least);
             if time == 0.0 {
                 // What is nearer than that already is not met by it.
                 tolerance = tolerance.min(0.5 * left);
@@ -135,11 +135,6 @@ impl TurningCast<'_> {
         let beside = self.own.turn.cross(axis).length() * self.reach;
         let idle = self.own.turn.length() * from_axis;
         (turning_along(&self.own, along) * self.reach).min(beside + idle)
-    }
-
-    /// From the solid to the face, in the solid's frame.
-    fn outward(&self, least: &LeastOnTriangle) -> DVec3 {
-        least.outward.unwrap_or_else(|| self.solid.core_foot(least.point).outward)
     }
 
     fn contact(

@@ -103,6 +103,11 @@ impl Revolved {
         LeastOnSegment { at: best.at, foot: best.foot, outward }
     }
 
+    /// From the solid to a triangle, where the signed distance is least on that: unit.
+    pub(crate) fn outward_at(&self, least: &LeastOnTriangle) -> DVec3 {
+        least.outward.unwrap_or_else(|| self.core_foot(least.point).outward)
+    }
+
     /// Where the signed distance from the core is least on a triangle, which may be without area.
     #[must_use]
     pub fn least_on_triangle(&self, triangle: &[DVec3; 3]) -> LeastOnTriangle {

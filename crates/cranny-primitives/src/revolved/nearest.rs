@@ -64,7 +64,7 @@ pub fn nearest_face(model: &Model, solid: &Revolved, within: f64) -> Option<Near
         }
     }
     let (distance, face, least) = best?;
-    let way = least.outward.unwrap_or_else(|| solid.core_foot(least.point).outward);
+    let way = solid.outward_at(&least);
     Some(NearestFace {
         distance,
         feature: Feature::of_part(least.part, model, face),

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use cranny_broad_phase::{BroadPhase, ProxyId};
-use cranny_narrow_phase::{Demand, Fields};
+use cranny_narrow_phase::Demand;
 
 use super::{Pair, World};
 use crate::body::{Body, BodyId};
@@ -185,11 +185,7 @@ impl World {
     }
 
     pub(super) fn demand(&self, pair: Pair, a: &Body, b: &Body) -> Demand {
-        self.fields(pair, a, b).demand()
-    }
-
-    pub(super) fn fields(&self, pair: Pair, a: &Body, b: &Body) -> Fields {
-        self.wish(pair, a, b).fields(self.read_of(pair))
+        self.wish(pair, a, b).fields(self.read_of(pair)).demand()
     }
 
     /// What the scene's, both bodies' and the pair's effects need together: nothing where the two
