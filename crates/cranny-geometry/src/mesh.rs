@@ -136,11 +136,13 @@ impl Mesh {
     }
 
     /// All vertices, ascending.
+    #[inline]
     pub fn vertex_ids(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
         (0..self.vertices.len() as u32).map(VertexId)
     }
 
     /// All faces, ascending.
+    #[inline]
     pub fn face_ids(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
         (0..self.faces.len() as u32).map(FaceId)
     }

@@ -96,6 +96,7 @@ impl Topology {
     }
 
     /// All edges, ascending.
+    #[inline]
     pub fn edge_ids(&self) -> impl ExactSizeIterator<Item = EdgeId> + Clone + use<> {
         (0..self.edges.len() as u32).map(EdgeId)
     }

@@ -314,6 +314,7 @@ impl ConvexHull {
     ///
     /// Where there is no such triangle.
     #[must_use]
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.surface.triangles[triangle].map(|v| self.positions[v as usize])
     }
