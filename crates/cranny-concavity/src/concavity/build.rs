@@ -9,14 +9,15 @@ use std::collections::BTreeMap;
 use cranny_exact::{Aabb, DVec3};
 
 use super::components::Components;
+use super::input::{Input, twice_area_vector};
 use super::nesting::{self, Surface};
 use super::{Border, ConcavityKind, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin};
 use crate::caps::CapSurface;
 use crate::features::{Features, NONE};
 use crate::ids::{CapId, ConcavityId};
-use cranny_geometry::hull::{ConvexHull, FacetId, lowest_first};
+use cranny_geometry::hull::{FacetId, lowest_first};
 use cranny_geometry::rows::{row, rows};
-use cranny_geometry::{EdgeId, EdgeKind, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId};
+use cranny_geometry::{EdgeId, EdgeKind, FaceId, HalfEdgeId, Model, VertexId};
 
 /// A lid opens nowhere if its opening is this share of its area or less: it goes around, as the
 /// whole hull does, and what is left of a sum is rounding. Smaller, and the rounding of some
@@ -44,16 +45,6 @@ pub(super) fn first_of_caps(
     some.map(|cap| lowest_first(caps.triangles[cap])).min()
 }
 
-/// What the steps below look at.
-pub(super) struct Input<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) topology: &'a Topology,
-    pub(super) hull: &'a ConvexHull,
-    pub(super) features: &'a Features,
-    /// Volumes are measured from here: the less, the less they round.
-    pub(super) center: DVec3,
-}
-
 impl ConcavitySet {
     /// Joins off-hull faces and caps.
     pub(crate) fn of(model: &Model, features: &Features, caps: CapSurface) -> Self {
@@ -70,20 +61,7 @@ impl ConcavitySet {
     }
 }
 
-impl<'a> Input<'a> {
-    pub(super) fn of(model: &'a Model, features: &'a Features) -> Self {
-        let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
-        Self { mesh, topology, hull, features, center: hull.bounds().center() }
-    }
-
-    fn position(&self, vertex: u32) -> DVec3 {
-        self.mesh.vertices()[vertex as usize]
-    }
-
-    pub(super) fn cap_triangle(&self, caps: &CapSurface, cap: usize) -> [DVec3; 3] {
-        caps.triangles[cap].map(|v| self.position(v))
-    }
-
+impl Input<'_> {
     /// Numbers components by their least faces, those without by [the first](first_of_caps) of
     /// their caps, and lids by their least caps. What has no faces and covers nothing is skin and
     /// gets no number.
@@ -352,23 +330,6 @@ impl<'a> Input<'a> {
         all.skin = skin;
     }
 
-    /// What faces alone add to the measures of their concavity, in their order.
-    pub(super) fn measures_of(&self, faces: &[FaceId]) -> Measures {
-        let mut measures = Measures::default();
-        for &face in faces {
-            let corners = self.mesh.triangle(face);
-            measures.face_area += 0.5 * twice_area_vector(corners).length();
-            measures.pocket_volume -= self.volume_below(corners);
-        }
-        measures
-    }
-
-    /// Signed volume between a triangle and the centre.
-    pub(super) fn volume_below(&self, corners: [DVec3; 3]) -> f64 {
-        let [a, b, c] = corners.map(|p| p - self.center);
-        a.dot(b.cross(c)) / 6.0
-    }
-
     pub(super) fn name(&self, all: &mut ConcavitySet) {
         for i in 0..all.records.len() {
             let concavity = all.get(ConcavityId(i as u32));
@@ -411,8 +372,4 @@ impl<'a> Input<'a> {
             record.parent = parent.map_or(NONE, |p| p as u32);
         }
     }
-}
-
-pub(super) fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a)
 }

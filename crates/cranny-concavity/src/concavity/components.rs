@@ -9,7 +9,7 @@
 //! No source: this crate's own, proved in brackets above; sets are joined by union-find
 //! (`DisjointSets`). Cost: O(m log m) for m cap triangles, near-linear in the faces.
 
-use super::build::Input;
+use super::input::Input;
 use crate::caps::CapSurface;
 use crate::features::Features;
 use cranny_geometry::{DisjointSets, Edge, EdgeId, FaceId, HalfEdgeId, Topology, VertexId};

@@ -20,6 +20,7 @@
 mod build;
 mod components;
 mod followed;
+mod input;
 mod nesting;
 mod region;
 mod skin;

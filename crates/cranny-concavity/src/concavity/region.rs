@@ -3,8 +3,8 @@
 //! No source: what belongs together, and what is skin, are decided as for the whole (`components`,
 //! `build`). Cost: O(m log m) in the faces and caps of the part, and a glance at all caps.
 
-use super::build::Input;
 use super::components::Components;
+use super::input::Input;
 use crate::caps::CapSurface;
 use crate::ids::CapId;
 use cranny_geometry::{FaceId, HalfEdgeId, VertexId, each_once};

@@ -5,7 +5,7 @@
 
 use cranny_exact::DVec3;
 
-use super::build::{Input, twice_area_vector};
+use super::input::{Input, twice_area_vector};
 use crate::caps::CapSurface;
 use crate::ids::CapId;
 

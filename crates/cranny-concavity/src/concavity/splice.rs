@@ -12,7 +12,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::build::{BLANK, CANCELLED, Input, first_of_caps, twice_area_vector};
+use super::build::{BLANK, CANCELLED, first_of_caps};
+use super::input::{Input, twice_area_vector};
 use super::region::{Group, Part};
 use super::{Concavity, ConcavitySet, LidRecord, MIXED, Record, SOLID, SurfaceSums};
 use crate::caps::CapSurface;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use cranny_exact::DVec3;
 
-use super::build::{Input, twice_area_vector};
+use super::input::{Input, twice_area_vector};
 use super::{Record, Skin};
 use cranny_geometry::FaceId;
 

@@ -3,7 +3,7 @@
 //! No source: the sums are those of building, in the same order, over the concavities named. Cost:
 //! with the function.
 
-use super::build::{Input, twice_area_vector};
+use super::input::{Input, twice_area_vector};
 use super::{ConcavitySet, Measures};
 use crate::features::Features;
 use crate::ids::ConcavityId;
