@@ -50,12 +50,24 @@ pub(super) fn decode(bytes: &[u8], fetch: Fetch<'_>) -> Result<MeshFile, DecodeE
     scene.finish()
 }
 
+/// How many bytes of what is no glTF are quoted.
+const HEAD: usize = 16;
+
 /// The JSON and the binary chunk of a GLB; or the whole file as JSON.
 fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), DecodeError> {
-    if !bytes.starts_with(b"glTF") {
-        return Ok((bytes, None));
-    }
     let error = |at, problem| DecodeError { format: FORMAT, place: Place::Byte(at), problem };
+    if !bytes.starts_with(b"glTF") {
+        if bytes.trim_ascii_start().starts_with(b"{") {
+            return Ok((bytes, None));
+        }
+        let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
+        let problem = Problem::Malformed {
+            found: excerpt(&head),
+            expected: "'glTF', with which a .glb begins, or '{', with which a .gltf does"
+                .to_owned(),
+        };
+        return Err(error(0, problem));
+    }
     let word = |at: usize, what: &str| -> Result<u32, DecodeError> {
         let found = bytes.len().saturating_sub(at) as u64;
         let four = bytes.get(at..at + 4).and_then(|b| b.try_into().ok());

@@ -63,7 +63,9 @@ fn decode_binary(bytes: &[u8], promised: Option<u64>) -> Result<MeshFile, Decode
         return Err(builder.error(Place::Whole, Problem::OtherText { head, count, needed }));
     }
     if found < needed {
-        let what = format!("a binary file of {count} faces");
+        let what = format!(
+            "a binary file of {count} faces, as its bytes 80 to 83 say (an ASCII file begins with 'solid'),"
+        );
         let problem = Problem::Truncated { what, needed, found };
         return Err(builder.error(Place::Whole, problem));
     }

@@ -29,6 +29,9 @@ fn hint(error: &Error) -> &'static str {
             ". Three numbers are written as `(0, 0, -9.81)`, a choice with parentheses, as \
              `Response()`"
         }
+        Error::ExpectedNamedStructLike(_) => {
+            ". It is written in parentheses, with fields by name: `(step: 0.01, duration: 5)`"
+        }
         Error::ExpectedStructLikeEnd | Error::ExpectedComma => {
             ". Parts are separated by commas, and numbers have a decimal point: `(0, 0, -9.81)`"
         }

@@ -65,6 +65,10 @@ pub(super) fn assemble(sheets: &Sheets, options: &LoadOptions) -> Result<Assembl
         assembly.turn_to(sheet);
         sheet.scene.cameras.iter().try_for_each(|camera| assembly.camera(camera))?;
     }
+    if assembly.description.bodies.is_empty() {
+        let what = "the scene has no bodies, so nothing happens in it. Add some to `bodies`, `groups` or `robots`, or include a scene that has some";
+        assembly.warnings.push(what.to_owned());
+    }
     assembly.warnings.extend(sensors::unread(&assembly.description));
     assembly.warnings.extend(feedback::unfelt(&assembly.description));
     assembly.warnings.extend(layers::alone(&assembly.description));

@@ -9,6 +9,7 @@ use cranny_world::world_box;
 
 use super::assemble::Assembly;
 use super::geometry::CollisionGeometry;
+use super::locate;
 use super::obstacles::{Obstacles, Standing, prepared};
 use super::pile::{self, Piece};
 use super::problem::{SceneError, SceneProblem};
@@ -132,14 +133,16 @@ impl Assembly<'_> {
     }
 
     fn refused_group(&self, of: &PieceFile<'_>, problem: &str) -> SceneError {
-        let problem = format!("{} {:?}: {problem}", of.rule, of.name);
+        let problem = format!("{} {:?}: {problem}", of.rule.to_lowercase(), of.name);
         let place = self.source.find("name", of.name);
+        let place = place.or_else(|| locate::find_unnamed(self.source.text, of.rule));
         self.source.error(place, SceneProblem::Contradiction(problem))
     }
 
     fn stock(&mut self, of: &PieceFile<'_>) -> Result<Stock, SceneError> {
         if of.shapes.is_empty() {
-            return Err(self.refused_group(of, "it names no shapes"));
+            let problem = "its `shapes` is empty, so there is nothing to make its bodies of. Name at least one, such as `shapes: [Generator(Cuboid())]`";
+            return Err(self.refused_group(of, problem));
         }
         let shapes = of.shapes.iter().map(|shape| self.geometry(of.name, shape));
         let shapes = shapes.collect::<Result<Vec<_>, _>>()?;

@@ -41,6 +41,30 @@ pub(super) fn find_string(text: &str, value: &str) -> Option<Range<usize>> {
     tokens.find(|token| token.string.as_deref() == Some(value)).map(|token| token.range)
 }
 
+/// The first `Kind(…)` that states no `name` of its own.
+pub(super) fn find_unnamed(text: &str, kind: &str) -> Option<Range<usize>> {
+    let tokens = tokens(text);
+    let word = |index: usize| tokens.get(index).map_or("", |token| &text[token.range.clone()]);
+    let is_named = |opening: usize| {
+        let mut depth = 0i32;
+        for index in opening..tokens.len() {
+            match word(index) {
+                "(" | "[" | "{" => depth += 1,
+                ")" | "]" | "}" => depth -= 1,
+                "name" if depth == 1 && word(index + 1) == ":" => return true,
+                _ => {}
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+        false
+    };
+    let mut places =
+        (0..tokens.len()).filter(|&index| word(index) == kind && word(index + 1) == "(");
+    places.find(|&index| !is_named(index + 1)).map(|index| tokens[index].range.clone())
+}
+
 /// A word, a string or a single character; comments and blanks are none.
 pub(super) struct Token {
     pub(super) range: Range<usize>,
@@ -145,6 +169,13 @@ mod tests {
         assert!(text[..second.start].ends_with("/* ü */ name: "));
         assert_eq!(find(text, "name", "a", 2), None);
         assert!(find(text, "title", "name: \"a\"", 0).is_some());
+    }
+
+    #[test]
+    fn a_kind_without_a_name_of_its_own_is_found() {
+        let text = r#"[Pile(name: "a", count: 1), Pile(shapes: [(name: "b")]), Pile()]"#;
+        assert_eq!(find_unnamed(text, "Pile").map(|range| range.start), text.find("Pile(shapes"));
+        assert_eq!(find_unnamed(r#"[Pile(name: "a")]"#, "Pile"), None);
     }
 
     #[test]

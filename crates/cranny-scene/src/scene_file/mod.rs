@@ -50,6 +50,7 @@ mod setting;
 mod syntax;
 mod tracker;
 mod values;
+mod whole_number;
 
 use std::path::{Path, PathBuf};
 

@@ -11,6 +11,7 @@ use super::advice::{advised, cut_off};
 use super::locate::{byte_at, field_before, tokens};
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::SceneFile;
+use super::whole_number;
 
 /// How RON is read.
 pub(super) fn options() -> ron::Options {
@@ -50,23 +51,45 @@ pub(super) fn start(text: &str, error: &SpannedError) -> usize {
     range(text, error).start
 }
 
-fn range(text: &str, error: &SpannedError) -> Range<usize> {
+/// Where an error is.
+pub(super) fn range(text: &str, error: &SpannedError) -> Range<usize> {
     let [start, end] = [error.span.start, error.span.end].map(|at| byte_at(text, at.line, at.col));
     start..end.max(start)
 }
 
 /// What is wrong, with the field if the reader does not name it, and what to write.
 pub(super) fn explained(text: &str, error: &SpannedError) -> String {
+    if tokens(text).is_empty() {
+        return "there is no scene in the file. A scene is written in parentheses, such as \
+                `(bodies: [(name: \"cube\", shape: Generator(Cuboid()))], effects: [Response()])`"
+            .to_owned();
+    }
     let Range { start, end } = range(text, error);
     let ends_here = tokens(&text[end..]).is_empty();
     if let Some(cut_off) = cut_off(text).filter(|_| ends_here) {
         return cut_off;
     }
-    // What the reader says of a value does not name its field.
-    let of_value = matches!(error.code, Error::Message(_) | Error::ExpectedIdentifier);
-    let field = field_before(text, start).filter(|_| of_value);
+    let number = whole_number::expected(text, error);
+    let field = field_before(text, start).filter(|_| number.is_some() || is_of_value(&error.code));
     let said = field.map_or(String::new(), |field| format!("`{field}`: "));
-    said + &choice_in_quotes(text, start, &error.code).unwrap_or_else(|| advised(&error.code))
+    let choice = || choice_in_quotes(text, start, &error.code);
+    said + &number.or_else(choice).unwrap_or_else(|| advised(&error.code))
+}
+
+/// Whether the reader speaks of a value, without naming its field.
+fn is_of_value(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::Message(_)
+            | Error::ExpectedIdentifier
+            | Error::ExpectedInteger
+            | Error::ExpectedFloat
+            | Error::ExpectedBoolean
+            | Error::ExpectedString
+            | Error::ExpectedArray
+            | Error::ExpectedMap
+            | Error::IntegerOutOfBounds
+    )
 }
 
 /// What to write where a choice stands in quotes.

@@ -162,11 +162,37 @@ impl Setting {
         match read(&changed) {
             Ok(scene) => Ok((changed, scene)),
             Err(error) => {
+                if let Some(added) = &added
+                    && let Some(what) = self.unknown_field(&error.code, added)
+                {
+                    return Err(located(path, text, Some(part.range()), self.problem(what)));
+                }
                 let what =
                     added.and_then(|added| self.explained_addition(&changed, &error, &added));
                 let what = what.unwrap_or_else(|| explained(&changed, &error));
                 Err(refused(&changed, path, &error, self.problem(what)))
             }
+        }
+    }
+
+    /// What the reader says of a step that no value has, with the path that leads to it.
+    fn unknown_field(&self, error: &RonError, Added { depth, .. }: &Added) -> Option<String> {
+        let RonError::NoSuchStructField { expected, found, .. } = error else { return None };
+        let at = depth + self.steps[*depth..].iter().position(|step| step == found)?;
+        let perhaps = perhaps(found, expected.iter().copied());
+        let fields: Vec<_> = expected.iter().map(|field| format!("`{field}`")).collect();
+        Some(format!(
+            "{} has no field `{found}`{perhaps}. Its fields are {}",
+            self.whole(at),
+            fields.join(", ")
+        ))
+    }
+
+    /// What the steps up to one lead to.
+    fn whole(&self, depth: usize) -> String {
+        match self.steps[..depth].join(".") {
+            path if path.is_empty() => "the scene".to_owned(),
+            path => format!("`{path}`"),
         }
     }
 
@@ -193,8 +219,7 @@ impl Setting {
 
     /// What is inserted, and where, for a step that the part does not have.
     fn addition(&self, part: Part<'_>, depth: usize) -> Result<(usize, String), String> {
-        let (step, whole) = (&self.steps[depth], self.steps[..depth].join("."));
-        let whole = if whole.is_empty() { "the scene".to_owned() } else { format!("`{whole}`") };
+        let (step, whole) = (&self.steps[depth], self.whole(depth));
         let Some(parts) = part.parts() else {
             return Err(format!("{whole} is {}, which has no `{step}`", part.shown()));
         };

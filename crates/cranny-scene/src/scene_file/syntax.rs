@@ -107,7 +107,7 @@ pub(super) enum GroupFile {
 
 /// What all groups say of their bodies.
 pub(super) struct PieceFile<'a> {
-    /// How the group is made.
+    /// How the group is made, as the file says it.
     pub(super) rule: &'static str,
     pub(super) name: &'a str,
     pub(super) shapes: &'a [ShapeFile],
@@ -145,8 +145,8 @@ macro_rules! pieces {
 impl GroupFile {
     pub(super) fn pieces(&self) -> PieceFile<'_> {
         match self {
-            Self::Pile(pile) => pieces!(pile, "pile"),
-            Self::Grid(grid) => pieces!(grid, "grid"),
+            Self::Pile(pile) => pieces!(pile, "Pile"),
+            Self::Grid(grid) => pieces!(grid, "Grid"),
         }
     }
 }

@@ -348,7 +348,7 @@ fn what_only_shows_in_the_whole_is_placed_too() {
             "min must lie below its max",
         ),
         ("count: 3", "count: 30000000", "line 7, column 22", "its region has room for"),
-        ("[Generator(LPrism())]", "[]", "line 7, column 22", "names no shapes"),
+        ("[Generator(LPrism())]", "[]", "line 7, column 22", "its `shapes` is empty"),
         ("major_radius: 2", "major_radius: -2", "line 2, column 18", "Torus: major_radius is -2"),
         ("kind: Dynamic,", "kind: Fixed,", "line 2, column 18", "is Fixed but has a velocity"),
     ];

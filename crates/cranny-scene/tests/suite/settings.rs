@@ -105,10 +105,10 @@ fn a_path_that_leads_nowhere_is_refused_with_what_is_there() {
         ("bodies.nutt.pose.at.z=1", ["has no `nutt`. Perhaps `nut` is meant", "line 4"]),
         ("gravity.w=1", ["`gravity` has no `w`. It has x, y, z", "line 2"]),
         ("gravity.q=1", ["`gravity` has no `q`. It has x, y, z", "line 2"]),
-        ("gravitty.z=1", ["`gravitty` in `Scene`", "Perhaps `gravity` is meant"]),
-        ("nope.x=1", ["`nope` in `Scene`, expected one of `version`", "or `record`"]),
-        ("bodies.nut.poze.at.z=1", ["`poze` in `Body`", "Perhaps `pose` is meant"]),
-        ("bodies.1.pose.z=1", ["`z` in `Pose`, expected one of `at`", "line 7"]),
+        ("gravitty.z=1", ["the scene has no field `gravitty`", "Perhaps `gravity` is meant"]),
+        ("nope.x=1", ["the scene has no field `nope`. Its fields are `version`", ", `record`"]),
+        ("bodies.nut.poze.at.z=1", ["`bodies.nut` has no field `poze`", "Perhaps `pose` is meant"]),
+        ("bodies.1.pose.z=1", ["`bodies.1.pose` has no field `z`. Its fields are `at`", "line 7"]),
         (
             "cameras.main.look_at.eye.x=1",
             ["`cameras.main.look_at` is not in the file", "Set all of it: cameras.main.look_at=…"],
@@ -123,8 +123,11 @@ fn a_path_that_leads_nowhere_is_refused_with_what_is_there() {
         ),
         ("gravitty=(0, 0, 1)", ["gravitty", "`gravity`"]),
         ("bodies.nut.colour=1", ["`colour`", "`visual`"]),
-        ("step=soon", ["the setting step=soon: Expected float", "line 3, column 10"]),
+        ("step=soon", ["the setting step=soon: `step`: Expected float", "line 3, column 10"]),
         ("step=-1", ["greater than 0, found -1", "line 3"]),
+        ("bodies.nut.shape.teeth=3", ["`bodies.nut.shape` has no field `teeth`", "`minor_radius`"]),
+        ("most_parts=-1", ["`most_parts`: expected a whole number from 1 to", "found -1"]),
+        ("groups.p.count=2.5", ["`count`: expected a whole number from 0 to", "found 2.5"]),
         ("effects.Trigger.accuracy=Hulls", ["has no `Trigger`.", "It has Response, Contacts"]),
     ] {
         let error = refused(setting);
