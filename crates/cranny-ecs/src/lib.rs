@@ -172,8 +172,8 @@ pub use spatial::{
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
-    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TrackingSummary, TriggerSummary,
+    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, PartsSummary,
+    RunSummary, Skipped, TrackingSummary, TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, EstimateTally, Series, Tally};
 pub use tracking::{

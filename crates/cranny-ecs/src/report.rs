@@ -16,8 +16,8 @@ use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, EstimateSummary, HelixSummary,
-    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary,
-    Skipped, TriggerSummary,
+    JointSummary, LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, PartsSummary,
+    RunSummary, Skipped, TriggerSummary,
 };
 use crate::tally::{DeepestSoFar, EstimateTally, Series, Tally};
 use crate::tracking::TrackingLog;
@@ -124,6 +124,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         time_ms: times,
         pairs: count(&tally.pairs),
         pairs_found: pairs_found(world, &tally),
+        parts: parts(world, &tally),
         tests: (tally.tests != Series::default()).then(|| count(&tally.tests)),
         estimates: estimated(&tally.estimates),
         contacts: count(&tally.contacts),
@@ -213,6 +214,19 @@ fn pairs_found(world: &World, tally: &Tally) -> Option<PairsFound> {
 
 #[cfg(not(feature = "rapier"))]
 fn pairs_found(_: &World, _: &Tally) -> Option<PairsFound> {
+    None
+}
+
+#[cfg(feature = "rapier")]
+fn parts(world: &World, tally: &Tally) -> Option<PartsSummary> {
+    let bodies = world.get_resource::<crate::solved::RigidBodies>()?;
+    let most_parts = bodies.simulation().most_parts() as u64;
+    let parts = PartsSummary { most_parts, divided: tally.divided, max: tally.parts.max() };
+    bodies.is_exact().then_some(parts)
+}
+
+#[cfg(not(feature = "rapier"))]
+fn parts(_: &World, _: &Tally) -> Option<PartsSummary> {
     None
 }
 

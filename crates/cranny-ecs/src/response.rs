@@ -310,6 +310,9 @@ fn tally_solver(bodies: Res<RigidBodies>, time: Res<SimulatedTime>, mut tally: R
     let counts = bodies.simulation().pair_counts();
     tally.carried.push(counts.carried);
     tally.searched.push(counts.searched);
+    let parts = bodies.simulation().parts();
+    tally.parts.push(parts);
+    tally.divided += u64::from(parts > 1);
     tally.contacts.push(bodies.simulation().solver_contacts());
     for (a, b, pair) in bodies.answers() {
         tally.note_depth(a, b, &pair.answer, time.steps());

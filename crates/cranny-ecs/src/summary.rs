@@ -43,6 +43,8 @@ pub struct RunSummary {
     /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None`
     /// without it or a solver.
     pub pairs_found: Option<PairsFound>,
+    /// Steps that the solver made in parts; `None` without our detector or a solver.
+    pub parts: Option<PartsSummary>,
     /// Elementary tests of a step for the pairs that our detector examines, where no solver
     /// detects; `None` with one.
     pub tests: Option<CountSummary>,
@@ -129,6 +131,17 @@ pub struct PairsFound {
     pub carried: CountSummary,
     /// Searched.
     pub searched: CountSummary,
+}
+
+/// Steps that the solver made in parts, since something moved far in them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PartsSummary {
+    /// Parts of a step at most, as the scene or the program says.
+    pub most_parts: u64,
+    /// Steps that were made in more than one part.
+    pub divided: u64,
+    /// Parts of any step at most; 0 where there was no step.
+    pub max: u64,
 }
 
 /// The deepest overlap of a run.

@@ -93,6 +93,10 @@ pub struct Tally {
     pub carried: Series,
     /// Those that it searched for the solver.
     pub searched: Series,
+    /// Parts in which the solver made a step.
+    pub parts: Series,
+    /// Steps that it made in more than one part.
+    pub divided: u64,
     /// Contact points of a step: those that the solver got where there is one, else those reported.
     pub contacts: Series,
     /// Elementary tests of a step for the pairs that the world detects: of boxes, of triangles, of

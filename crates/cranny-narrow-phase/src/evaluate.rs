@@ -291,6 +291,8 @@ fn contacts(
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
         measured = Some(regions);
     }
+    // A depth of 0 is a separation of 0: never of −0, which is printed with its sign.
+    out.contacts.iter_mut().for_each(|contact| contact.separation += 0.0);
     if solid && pair.is_closed() && out.contacts.first().is_some_and(|c| wanted.is_deep(c)) {
         out.penetrations = match &measured {
             Some(regions) => regions.iter().filter_map(Penetration::of).collect(),

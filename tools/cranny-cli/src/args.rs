@@ -218,6 +218,9 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   certificate     with --certificate: the files, and what proves surface, solid and contained; sum, at the
                   end, is of the whole line
 What --demand does not ask for is null.
+With --format text a pose is a row: solid also says which body is in the other, regions are counted, depth
+is that of the deepest. With --demand contacts the contacts of a pose follow, a row each: features,
+separation, normal (A to B), and the point half-way between point_a and point_b.
 
 Levels. Each is certain of what it says, and says `unknown` or null for what it does not know:
   boxes       the bodies' boxes: excluded, or open

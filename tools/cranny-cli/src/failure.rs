@@ -12,6 +12,12 @@ impl Display for Failure {
     }
 }
 
+/// The message with a full stop, where it ends without one.
+fn sentence(message: String) -> String {
+    let ends = |c: char| c.is_alphanumeric() || matches!(c, ')' | ']' | '}' | '"' | '\'' | '`');
+    if message.ends_with(ends) { message + "." } else { message }
+}
+
 /// A command's failure. One paragraph that names what is wrong, where, and what to do.
 #[derive(Debug)]
 pub(crate) struct Failure {
@@ -90,8 +96,25 @@ impl Failure {
         let _ = if drawn {
             write!(stderr, "{shown}")
         } else {
-            writeln!(stderr, "error: {}", self.report)
+            writeln!(stderr, "error: {}", sentence(self.report.to_string()))
         };
         ExitCode::from(code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_ends_with_one_full_stop() {
+        for (message, ends) in [
+            ("no faces. Export them", "them."),
+            ("Write `1`", "`1`."),
+            ("Choose another.", "another."),
+            ("Set all of it: pairs=…", "pairs=…"),
+        ] {
+            assert!(sentence(message.to_owned()).ends_with(ends), "{message}");
+        }
     }
 }

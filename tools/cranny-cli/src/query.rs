@@ -53,7 +53,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let format = format.unwrap_or(Format::Json);
     let mut output = Output::new();
     if format == Format::Text {
-        output.line(&line::heading())?;
+        output.line(&line::heading(args.demand))?;
     }
     let bar = progress::bar(poses.len() as u64, "querying");
     let budget = args.budget.map_or(Budget::Unlimited, Budget::Tests);

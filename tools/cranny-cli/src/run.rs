@@ -5,7 +5,7 @@ use std::path::Path;
 
 use cranny_ecs::{
     CAMERA_PRESETS, DEFAULT_CAMERA, DeepestSummary, EstimateSummary, JointSummary, LeftSummary,
-    PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneAppError,
+    PairsFound, PartsSummary, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneAppError,
     TrackedContacts, TrackingSummary, TriggerSummary, check_outputs,
 };
 use cranny_rapier::Detector;
@@ -196,6 +196,9 @@ fn text(summary: &RunSummary) -> String {
             summary.dt
         ),
     );
+    if let Some(parts) = &summary.parts {
+        lines.add("- in parts", divided(parts));
+    }
     lines.add(
         "wall time",
         format!("{:.3} s, {:.2} x real time", summary.wall_s, summary.real_time_factor),
@@ -211,7 +214,9 @@ fn text(summary: &RunSummary) -> String {
     ];
     let spent = phases.iter().filter(|(_, ms)| *ms > 0.0);
     let spent: Vec<String> = spent.map(|(phase, ms)| format!("{phase} {ms:.1}")).collect();
-    lines.add("time, ms", spent.join(", "));
+    if !spent.is_empty() {
+        lines.add("time, ms", spent.join(", "));
+    }
     lines.add("pairs", format!("{:.1} a step, at most {}", summary.pairs.mean, summary.pairs.max));
     if let Some(PairsFound { carried, searched }) = &summary.pairs_found {
         let found = format!("{:.1} carried on a step, {:.1} searched", carried.mean, searched.mean);
@@ -330,6 +335,18 @@ fn estimated(
         "{:.1} pairs a step: {certain:.2} certain, {:.2} open and counted as touching; {:.2} left by the budget; {:.1} tests, at most {}",
         pairs.mean, open.mean, unsettled.mean, tests.mean, tests.max
     )
+}
+
+/// Steps that were made in parts.
+fn divided(&PartsSummary { most_parts, divided, max }: &PartsSummary) -> String {
+    match (most_parts, divided) {
+        (1, _) => "no step: most_parts is 1".to_owned(),
+        (_, 0) => format!("no step; most_parts is {most_parts}"),
+        _ => format!(
+            "{}, at most {max} parts each; most_parts is {most_parts}",
+            counted(divided, "step")
+        ),
+    }
 }
 
 fn deepest(summary: &RunSummary) -> String {

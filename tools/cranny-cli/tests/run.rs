@@ -588,6 +588,48 @@ fn what_a_sensor_overlaps_is_no_fault() {
     assert!(text.contains("deepest    no overlap") && !text.contains("\ninside"), "{text}");
 }
 
+/// A cube flies at another one by more than its thickness a step.
+#[test]
+fn steps_that_were_divided_are_counted() {
+    let scene = |settings: &str| {
+        summed_up(&format!(
+            r#"(gravity: (0, 0, 0), step: 0.015625, duration: 0.25, {settings} effects: [Response()], bodies: [
+                (name: "wall", shape: Generator(Cuboid()), kind: Fixed, pose: (at: (6, 0, 0))),
+                (name: "thrown", shape: Generator(Cuboid()), velocity: (linear: (64, 0, 0))),
+            ])"#
+        ))
+    };
+    let (summary, text) = scene("");
+    let parts = &summary["parts"];
+    assert_eq!((&parts["most_parts"], &parts["max"]), (&2.into(), &2.into()), "{summary}");
+    let divided = parts["divided"].as_u64().unwrap();
+    assert!(divided > 0 && divided < summary["steps"].as_u64().unwrap(), "{summary}");
+    assert!(text.contains(&format!("\n- in parts {divided} step")), "{text}");
+    assert!(text.contains("at most 2 parts each; most_parts is 2"), "{text}");
+    let (summary, text) = scene("most_parts: 1,");
+    assert_eq!(
+        (&summary["parts"]["most_parts"], &summary["parts"]["divided"]),
+        (&1.into(), &0.into())
+    );
+    assert!(text.contains("\n- in parts no step: most_parts is 1"), "{text}");
+}
+
+/// `cranny run --help` has a line for each heading of the summary that does not explain itself.
+#[test]
+fn the_help_explains_the_summary() {
+    let help = String::from_utf8(cranny(&["run", "--help"]).stdout).unwrap();
+    let (_folder, scene) = scene();
+    let text = String::from_utf8(cranny(&["run", &scene]).stdout).unwrap();
+    for line in text.lines().filter(|line| !line.starts_with(' ')) {
+        let heading = line[..10].trim_end();
+        let explained = help.lines().any(|line| line.starts_with(&format!("  {heading} ")));
+        assert!(
+            explained || ["scene", "detector", "written"].contains(&heading),
+            "{heading}: {help}"
+        );
+    }
+}
+
 #[test]
 fn bodies_that_were_held_back_are_counted() {
     let scene = |effects: &str| {

@@ -56,14 +56,13 @@ impl Simulation {
     /// if that was needed to know.
     fn parts_needed(&mut self) -> (usize, Option<IntegrationParameters>) {
         // Before the first step the broad phase knows nobody's neighbours.
-        let may = self.options.detector == Detector::Cranny && self.options.most_parts > 1;
-        if !(may && self.settled) {
+        let most = self.most_parts();
+        if most == 1 || !self.settled {
             return (1, None);
         }
         let parameters = self.looking_ahead();
         let world =
             World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
-        let most = self.options.most_parts;
         let parts = self.motions.parts(&world, &mut self.broad_phase, &parameters, most);
         (parts, Some(parameters))
     }
@@ -100,6 +99,15 @@ impl Simulation {
     #[must_use]
     pub fn parts(&self) -> usize {
         self.parts
+    }
+
+    /// In how many parts a step is made at most: more than one with our detector only.
+    #[must_use]
+    pub fn most_parts(&self) -> usize {
+        match self.options.detector {
+            Detector::Cranny => self.options.most_parts.max(1),
+            _ => 1,
+        }
     }
 
     /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs:

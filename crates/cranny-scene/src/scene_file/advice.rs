@@ -29,7 +29,7 @@ fn hint(error: &Error) -> &'static str {
             ". Three numbers are written as `(0, 0, -9.81)`, a choice with parentheses, as \
              `Response()`"
         }
-        Error::ExpectedNamedStructLike(_) => {
+        Error::ExpectedNamedStructLike(_) | Error::ExpectedDifferentStructName { .. } => {
             ". It is written in parentheses, with fields by name: `(step: 0.01, duration: 5)`"
         }
         Error::ExpectedStructLikeEnd | Error::ExpectedComma => {

@@ -200,6 +200,33 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 const RUN_NOTES: &str = "\
+Summary (only lines of which something is known; lengths in units of the scene, wall-clock times):
+  simulated   time in the scene, and steps
+  - in parts  steps that the solver made in more than one part, since bodies near each other moved far in
+              them; the scene's `most_parts` is the limit
+  wall time   of all steps, without preparation; 2 x real time: a simulated second takes half a second
+  time, ms    of it, in all: broad phase, narrow phase, solver, report (what effects read), recording, pictures
+  pairs       examined in a step, on average and at most
+  - contacts  pairs whose contacts were carried on from an earlier step, and those that were searched
+  tests       elementary tests of a step, where no solver detects
+  estimates   pairs known at a level or within a budget
+  contacts    points that the solver got, or that effects report where there is none
+  deepest     overlap of the exact shapes at the beginning of any step
+  - first     the first overlap of all, however deep
+  triggers    pairs with Trigger that touched
+  tracking    contacts of a tracked body beside those that it truly makes
+  left        bodies that left the world: a box about all bodies where they were put, grown by its own diagonal
+  inside      steps in which a body lay wholly within another's material, whose depth is not known
+  held back   bodies with Continuous that would have passed through another one
+  joints      how far joints that motors hold are off
+  energy      most gained over the start, and gained or lost at the end, in percent of what moved
+  screw       of a nut on its bolt: turns, and how far off the helix at most
+  links       rings linked at the start that stayed so
+  motion      how far a body is from where it was put
+  state       hash of the final poses and velocities: equal runs have equal ones
+  skipped     what was requested and not done, with the reason
+With --format json the summary is the last line, with everything that is known.
+
 Ctrl-C ends the run after the step at hand: the recording is finished and the summary printed.
 Without a graphics adapter the run goes on without pictures, and the summary says so.
 
@@ -251,7 +278,9 @@ pub(crate) struct CompareArgs {
 const COMPARE_NOTES: &str = "\
 All run in this process, on one thread, a step each in turn. The solver is the same for all, and so are its
 substeps unless stated otherwise; what differs is how contacts come to it: our detector turns rapier's
-contact clustering off and has Coulomb friction at each point, rapier's keep their defaults. Every run is
+contact clustering off and has Coulomb friction at each point, rapier's keep their defaults. Only with our
+detector is a step divided, into as many parts as the scene's `most_parts` says (2 by default), where bodies
+near each other move far in it; with rapier's it is made as a whole. Every run is
 judged by exact answers at the poses that it came to; what that costs is not counted. A detector of
 rapier's that fails says so in its row, and the others go on. Ctrl-C ends all after the step at hand.
 

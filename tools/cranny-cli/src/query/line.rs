@@ -1,11 +1,12 @@
-//! One line of `cranny query`.
+//! One line of `cranny query`; in text, its contacts below it.
 
 use cranny_estimate::{Estimate, Place, Verdict};
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{Contact, Containment, Region, Surface, Witness};
+use cranny_narrow_phase::{Contact, Containment, Feature, Region, Surface, Witness};
 use serde::Serialize;
 
 use crate::args::DemandArg;
+use crate::words::number;
 
 /// What decides which fields are filled.
 #[derive(Clone, Copy, Debug)]
@@ -36,10 +37,16 @@ pub(super) struct Line {
     micros: f64,
     closed_a: bool,
     closed_b: bool,
+    /// The question.
+    #[serde(skip)]
+    demand: DemandArg,
 }
 
 #[derive(Debug, Serialize)]
 struct ContactLine {
+    /// Of A and of B; only people read them.
+    #[serde(skip)]
+    features: [Feature; 2],
     point_a: [f64; 3],
     point_b: [f64; 3],
     normal: [f64; 3],
@@ -100,10 +107,12 @@ impl Line {
             micros,
             closed_a: shown.closed[0],
             closed_b: shown.closed[1],
+            demand: shown.demand,
         }
     }
 
-    /// The line for people, below [`heading`].
+    /// The line for people, below [`heading`]; where contacts are the question, each on a line
+    /// below it.
     pub(super) fn text(&self) -> String {
         let verdict = match (self.contained, self.solid) {
             (Some("A_in_B"), _) => "A in B",
@@ -124,24 +133,49 @@ impl Line {
             .and_then(|regions| regions.iter().filter_map(|region| region.depth).reduce(f64::max));
         let count = self.regions.as_ref().map_or_else(|| "-".to_owned(), |r| r.len().to_string());
         let depth = number(depth);
+        let asked = self.contacts.iter().flatten().filter(|_| self.demand == DemandArg::Contacts);
+        let contacts: String = asked.map(|contact| format!("\n{}", contact.text())).collect();
         format!(
-            "{:>6}  {:<7}  {:<6}  {:>17}  {:>7}  {:>17}  {:>9}  {:>10.1}",
+            "{:>6}  {:<7}  {:<6}  {:>17}  {:>7}  {:>17}  {:>9}  {:>10.1}{contacts}",
             self.pose, self.surface, verdict, distance, count, depth, self.tests, self.micros
         )
     }
 }
 
 /// What the columns of [`Line::text`] mean.
-pub(super) fn heading() -> String {
+pub(super) fn heading(demand: DemandArg) -> String {
+    let contacts = match demand {
+        DemandArg::Contacts => format!("\n{}", contact_heading()),
+        _ => String::new(),
+    };
     format!(
-        "{:>6}  {:<7}  {:<6}  {:>17}  {:>7}  {:>17}  {:>9}  {:>10}",
+        "{:>6}  {:<7}  {:<6}  {:>17}  {:>7}  {:>17}  {:>9}  {:>10}{contacts}",
         "pose", "surface", "solid", "distance", "regions", "depth", "tests", "micros"
     )
 }
 
+/// What the columns of [`ContactLine::text`] mean.
+fn contact_heading() -> String {
+    let columns = ["feature of A", "feature of B"].map(|name| format!("  {name:<14}")).concat();
+    let normal = ["normal x", "y", "z"].map(|name| format!("  {name:>11}")).concat();
+    let point = ["point x", "y", "z"].map(|name| format!("  {name:>11}")).concat();
+    format!("{:6}{columns}  {:>17}{normal}{point}", "", "separation")
+}
+
 impl ContactLine {
+    /// The line for people, below [`contact_heading`]: the point lies half-way between the two.
+    fn text(&self) -> String {
+        let features = self.features.map(|feature| format!("  {:<14}", feature_name(feature)));
+        let numbers = |of: [f64; 3]| of.map(|x| format!("  {:>11}", number(x))).concat();
+        let middle = [0, 1, 2].map(|k| 0.5 * (self.point_a[k] + self.point_b[k]));
+        let (normal, point) = (numbers(self.normal), numbers(middle));
+        format!("{:6}{}  {:>17.9e}{normal}{point}", "", features.concat(), self.separation)
+    }
+
     fn new(contact: &Contact) -> Self {
+        let (of_a, of_b) = contact.id;
         Self {
+            features: [of_a, of_b],
             point_a: contact.point_a.to_array(),
             point_b: contact.point_b.to_array(),
             normal: contact.normal.to_array(),
@@ -171,6 +205,14 @@ impl RegionLine {
             separation: region.deepest.separation,
             triangle_pairs: region.triangle_pairs,
         }
+    }
+}
+
+fn feature_name(feature: Feature) -> String {
+    match feature {
+        Feature::Vertex(vertex) => format!("vertex {}", vertex.0),
+        Feature::Edge(edge) => format!("edge {}", edge.0),
+        Feature::Face(face) => format!("face {}", face.0),
     }
 }
 

@@ -37,6 +37,10 @@ fn meshes_that_are_none() {
     refused(&obj("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), &["line.obj", "zero area"]);
     refused(&obj("bytes.obj", "\u{1}\u{2}\u{3}"), &["bytes.obj"]);
 
+    let noise: Vec<u8> = (0..300u32).map(|i| (i * i * 7 + i * 131 + 129) as u8).collect();
+    refused(&folder.write("noise.glb", &noise), &["noise.glb", "byte 0", "'glTF'", "'{'"]);
+    refused(&folder.write("noise.stl", &noise), &["noise.stl", "bytes 80 to 83", "'solid'"]);
+
     let mut stl = vec![0; 80];
     stl.extend(12u32.to_le_bytes());
     stl.extend([0; 70]); // one triangle and a piece of the second
@@ -195,13 +199,21 @@ fn scenes_that_are_none() {
         run(&["check", &scene]).assert_refused(2, &[&["scene.ron"], words].concat());
     };
     let body = r#"bodies: [(name: "cube", shape: Generator(Cuboid()))]"#;
-    refused("", &["line 1"]);
+    refused("", &["line 1", "no scene in the file", "`(bodies: ["]);
+    refused("\n// later", &["line 2", "no scene in the file"]);
+    refused("scene", &["line 1", "written in parentheses"]);
+    refused(&format!("({body},\n most_parts: -1)"), &["line 2", "`most_parts`", "from 1 to", "-1"]);
+    refused(&format!("({body},\n seed: 1.5)"), &["line 2", "`seed`", "from 0 to", "1.5"]);
+    let pile = "Pile(count: 3, region: (min: (0, 0, 0), max: (9, 9, 9)), shapes: [])";
+    refused(&format!("(groups: [\n{pile}])"), &["line 2", "pile", "`shapes` is empty", "Name at"]);
     refused("(\n  gravty: (0, 0, -9.81),\n)", &["line 2", "gravty", "gravity"]);
     refused(&format!("({body},\n effects: [Flying()])"), &["line 2", "Flying", "Response"]);
     refused(r#"(bodies: [(name: "m", shape: Mesh(path: "gone.obj"))])"#, &["gone.obj", "line 1"]);
     let latin = folder.write("latin.ron", b"(\n// \xfcber\n)");
     run(&["check", &latin])
         .assert_refused(2, &["latin.ron", "byte 0xfc of line 2", "Save it as UTF-8"]);
+    let empty = run(&["check", &folder.write("empty.ron", "(bodies: [])")]);
+    assert!(empty.stdout.contains("warning: the scene has no bodies"), "{empty:?}");
     refused("(\n bodies: [", &["line 2", "the `[` of line 2, column 10", "Close it with `]`"]);
     let missing = folder.path("missing.ron").display().to_string();
     run(&["check", &missing]).assert_refused(2, &["missing.ron", "no such file"]);

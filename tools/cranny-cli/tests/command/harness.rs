@@ -38,6 +38,7 @@ impl Outcome {
         assert_eq!(self.stdout, "", "{self:?}");
         assert!(self.stderr.starts_with("error: "), "{self:?}");
         assert!(!self.stderr.trim_end().contains('\n'), "more than a paragraph: {self:?}");
+        assert!(self.stderr.trim_end().ends_with(['.', '…']), "no full stop: {self:?}");
         assert!(!self.stderr.contains("panicked"), "{self:?}");
         for word in words {
             assert!(self.stderr.contains(word), "{word:?} is missing in {self:?}");

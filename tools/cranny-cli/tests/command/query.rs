@@ -188,6 +188,42 @@ fn text_has_a_line_a_pose_below_a_heading() {
     assert!(lines.iter().all(|line| columns(line) == columns(lines[0])), "{}", text.stdout);
 }
 
+#[test]
+fn contacts_follow_their_pose_in_columns() {
+    let text = Cubes::new().query(&["--demand", "contacts", "--format", "text"]);
+    let lines: Vec<&str> = text.stdout.lines().collect();
+    let heading = lines[1];
+    for column in ["feature of A", "feature of B", "separation", "normal x", "point x"] {
+        assert!(heading.contains(column), "{column}: {}", text.stdout);
+    }
+    let contacts: Vec<&str> =
+        lines[2..].iter().copied().filter(|line| line.contains(" face ")).collect();
+    let width = |line: &str| line.chars().count();
+    assert!(contacts.iter().all(|line| width(line) == width(heading)), "{}", text.stdout);
+    // Apart there is none; face to face there are the corners of the face that both share.
+    assert!(
+        lines[2].trim_start().starts_with("0  none")
+            && lines[3].trim_start().starts_with("1  touch")
+    );
+    assert!(lines[4].contains("0.000000000e0") && lines[4].contains("0.5"), "{}", lines[4]);
+    let given = Cubes::new().query(&["--demand", "contacts"]).json_lines();
+    let given = given.iter().map(|line| line["contacts"].as_array().unwrap().len()).sum::<usize>();
+    assert_eq!(lines.len(), 2 + SHIFTS.len() + given, "{}", text.stdout);
+}
+
+/// A tetrahedron with a corner in a face of the cube, and no depth.
+#[test]
+fn a_separation_of_zero_has_no_sign() {
+    let cubes = Cubes::new();
+    let corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    let corner = cubes.folder.write("corner.obj", corner);
+    let pose = r#"[{"a": [0,-1,0,0, 1,0,0,0.5, 0,0,1,0, 0,0,0,1]}]"#;
+    let poses = cubes.folder.write("corner.json", pose);
+    let outcome = run(&["query", &corner, &cubes.cube, "--poses", &poses, "--demand", "contacts"]);
+    assert!(outcome.stdout.contains(r#""separation":0.0"#), "{outcome:?}");
+    assert!(!outcome.stdout.contains(r#""separation":-0.0"#), "{outcome:?}");
+}
+
 /// The picture is beside the answers, which stay what they are.
 #[test]
 fn heat_is_painted_beside_the_answers() {
