@@ -1,7 +1,7 @@
 //! What the reader of RON refuses where a whole number must stand, with the numbers that may.
 //!
-//! The reader knows the type of a field and does not name it ('Integer is out of bounds'), and takes
-//! the point in `1.5` for the end of the number. So what may stand there is found by trial.
+//! The reader knows the type of a field and does not name it ('Integer is out of bounds'), and
+//! takes the point in `1.5` for the end of the number. So what may stand there is found by trial.
 
 use std::ops::Range;
 
