@@ -58,7 +58,7 @@ mod flatness;
 mod grid;
 pub mod hull;
 mod ids;
-mod late;
+mod lazy;
 mod mass;
 mod mesh;
 mod model;

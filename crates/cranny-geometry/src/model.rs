@@ -26,7 +26,7 @@ use crate::digest::digest;
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{FromStored, Late};
+use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -113,7 +113,7 @@ impl Model {
             hull,
             tree: FromStored::made(tree),
             patches,
-            clusters: Late::default(),
+            clusters: Lazy::default(),
             mass,
             radius,
             digest,

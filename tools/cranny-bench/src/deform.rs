@@ -10,7 +10,7 @@ use cranny_geometry::{BuildOptions, ChangeSet, DeformError, Mesh, Model, VertexI
 
 use crate::report::{Cell, Report, Table};
 use crate::solid;
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// How far vertices are moved, as a share of their distance from the body's middle. Larger, and
 /// patches of the smallest meshes are divided; smaller than slabs are deep (2⁻⁴⁰ or so), and
@@ -198,7 +198,7 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
         Err(error) => return refused(name, &error.to_string()),
     }
     let [build, both_built, deform, follow, enveloping] = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [
             &mut || keep(Model::build(mesh.clone(), &options())),
             &mut || {

@@ -7,7 +7,7 @@ use parry3d::transformation::try_convex_hull;
 
 use crate::cloud;
 use crate::report::{Cell, Report, Table};
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// A cloud, made when its turn comes.
 type Cloud = Box<dyn Fn() -> Vec<DVec3>>;
@@ -51,7 +51,7 @@ fn row(name: String, points: &[DVec3], quick: bool) -> Vec<Cell> {
     let hull = ConvexHull::of_points(points);
     let mut parry_succeeds = true;
     let [ours, theirs] = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [&mut || keep(ConvexHull::of_points(points)), &mut || {
             parry_succeeds = try_convex_hull(&narrow).is_ok();
         }],

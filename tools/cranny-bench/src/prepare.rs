@@ -11,7 +11,7 @@ use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 use crate::hulls::single;
 use crate::report::{Cell, Report, Table};
 use crate::solid;
-use crate::stopwatch::{Patience, keep, median, race};
+use crate::stopwatch::{Repeats, keep, median, race};
 
 /// How often the stages of one mesh are timed.
 const STAGE_RUNS: usize = 9;
@@ -84,14 +84,14 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
     let points: Vec<Vector> = single(mesh.vertices());
     let parameters = VHACDParameters::default();
     let [ours, hull, parry_hull] = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [&mut || build(mesh), &mut || keep(ConvexHull::of_points(mesh.vertices())), &mut || {
             keep(try_convex_hull(&points));
         }],
     );
     // Apart from the others, which it would keep from running often.
     let [again, decomposition] = race(
-        Patience { least: if quick { 1 } else { 3 }, ..Patience::of(quick) },
+        Repeats { least: if quick { 1 } else { 3 }, ..Repeats::of(quick) },
         [&mut || build(mesh), &mut || {
             let parts = VHACD::decompose(&parameters, &points, mesh.faces(), true);
             keep(parts.compute_exact_convex_hulls(&points, mesh.faces()));
@@ -101,7 +101,7 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
         Model::build(mesh.clone(), &BuildOptions::default()).map(|(model, _)| model.encode());
     let loaded = || saved.as_ref().map(|bytes| Model::decode(bytes));
     let [built, load, load_all] = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [&mut || build(mesh), &mut || keep(loaded()), &mut || {
             let model = loaded();
             if let Ok(Ok(model)) = &model {
@@ -112,7 +112,7 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
     );
     let model = Model::build(mesh.clone(), &BuildOptions::default()).map(|(model, _)| model);
     let [built_beside, concavities] = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [&mut || build(mesh), &mut || keep(model.as_ref().map(Concavities::of))],
     );
     vec![
@@ -192,7 +192,7 @@ fn growth(quick: bool) -> Table {
     for &size in sizes {
         let Ok(mesh) = solid::golf_ball(size) else { continue };
         let [whole, hull] = race(
-            Patience { most: 50, ..Patience::of(quick) },
+            Repeats { most: 50, ..Repeats::of(quick) },
             [&mut || build(&mesh), &mut || keep(ConvexHull::of_points(mesh.vertices()))],
         );
         let n = mesh.faces().len() as f64;

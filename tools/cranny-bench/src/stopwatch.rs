@@ -7,30 +7,30 @@ use std::time::Duration;
 /// How often a thing is measured: until it has taken `budget` in all, but at least `least` times
 /// (once, if that took ten budgets) and at most `most` times.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Patience {
+pub(crate) struct Repeats {
     pub(crate) least: usize,
     pub(crate) most: usize,
     pub(crate) budget: Duration,
 }
 
-impl Patience {
+impl Repeats {
     pub(crate) fn of(quick: bool) -> Self {
         let budget = Duration::from_millis(if quick { 100 } else { 1500 });
         Self { least: if quick { 1 } else { 3 }, most: 200, budget }
     }
 }
 
-/// Runs the contestants in turn, as often as the patience with the slowest allows; the median
+/// Runs the contestants in turn, as often as the repeats with the slowest allows; the median
 /// seconds of each.
 pub(crate) fn race<const N: usize>(
-    patience: Patience,
+    repeats: Repeats,
     mut contestants: [&mut dyn FnMut(); N],
 ) -> [f64; N] {
     let mut times: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     let mut spent = Duration::ZERO;
-    for round in 0..patience.most {
-        let least = if spent > 10 * patience.budget { 1 } else { patience.least };
-        if round >= least && spent > patience.budget {
+    for round in 0..repeats.most {
+        let least = if spent > 10 * repeats.budget { 1 } else { repeats.least };
+        if round >= least && spent > repeats.budget {
             break;
         }
         for (contestant, times) in contestants.iter_mut().zip(&mut times) {
@@ -73,12 +73,12 @@ mod tests {
     #[test]
     fn contestants_run_equally_often_and_as_often_as_the_budget_allows() {
         let (mut a, mut b) = (0, 0);
-        let patience = Patience { least: 3, most: 9, budget: Duration::from_secs(3600) };
-        let times = race(patience, [&mut || a += 1, &mut || b += 1]);
+        let repeats = Repeats { least: 3, most: 9, budget: Duration::from_secs(3600) };
+        let times = race(repeats, [&mut || a += 1, &mut || b += 1]);
         assert_eq!((a, b), (9, 9));
         assert!(times.iter().all(|t| *t >= 0.0));
         race(
-            Patience { budget: Duration::ZERO, ..patience },
+            Repeats { budget: Duration::ZERO, ..repeats },
             [&mut || {
                 a += 1;
                 keep((0..1_000_000u64).map(|i| i ^ keep_as_is(i)).sum::<u64>());

@@ -7,7 +7,7 @@ use cranny_geometry::hull::HullVertexId;
 
 use crate::cloud;
 use crate::report::{Cell, Report, Table};
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// Queries a run, along one great circle.
 const QUERIES: usize = 3_600;
@@ -44,7 +44,7 @@ fn row(n: usize, quick: bool) -> Vec<Cell> {
         hull.positions().iter().enumerate().fold((0, f64::NEG_INFINITY), higher).0
     };
     let times = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [
             &mut || {
                 let mut last = HullVertexId(0);

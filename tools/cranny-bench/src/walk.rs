@@ -13,7 +13,7 @@ use crate::cloud;
 use crate::count::Work;
 use crate::hulls::single;
 use crate::report::{Cell, Report, Table};
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 const FRAMES: usize = 1_000;
 
@@ -75,7 +75,7 @@ fn row((name, gap): (&str, f64), n: usize, quick: bool) -> Vec<Cell> {
     };
     run(false, &mut counters);
     let times = race(
-        Patience::of(quick),
+        Repeats::of(quick),
         [
             &mut || run(false, &mut WalkCounters::default()),
             &mut || run(true, &mut WalkCounters::default()),

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use cranny_exact::{Aabb, DVec3};
 
 use super::cluster::{Scratch, clusters};
-use super::crumbs::{Crumbs, larger};
+use super::face_groups::{FaceGroups, larger};
 use super::moments::{Opening, unit};
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head, Pocket};
 use cranny_geometry::{FaceForest, FaceTree, Mesh, OptionalIndex};
@@ -108,15 +108,15 @@ impl Envelopes {
             self.heads.push(Head { axis: opening.axis, bounds, lids, layer: OptionalIndex::NONE });
             return;
         };
-        workshop.crumbs.fill(mesh, tree, root, &opening, self.options.leaf_faces);
-        let count = workshop.crumbs.items.len();
+        workshop.groups.fill(mesh, tree, root, &opening, self.options.leaf_faces);
+        let count = workshop.groups.items.len();
         workshop.order.clear();
         workshop.order.extend(0..count as u32);
-        // Fewer than a third more facets are made than there are crumbs, as a rule.
+        // Fewer than a third more facets are made than there are groups, as a rule.
         self.facets.reserve(count + count / 3);
         self.faces.reserve(pocket.faces.len());
         for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
-            let corners = workshop.crumbs.all_corners().iter();
+            let corners = workshop.groups.all_corners().iter();
             let corners = corners.map(|&v| mesh.position(v));
             self.lids.push(HalfSpace::holding(direction, corners));
         }
@@ -125,15 +125,15 @@ impl Envelopes {
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
         self.add_layer(mesh, [0, count], self.faces.len() as u32, &opening, workshop);
-        while let Some((facet, crumbs)) = workshop.waiting.pop_front() {
+        while let Some((facet, groups)) = workshop.waiting.pop_front() {
             self.facets[facet].layer = OptionalIndex::some(self.layers.len() as u32);
             let first_face = self.facets[facet].faces[0];
-            self.add_layer(mesh, crumbs, first_face, &opening, workshop);
+            self.add_layer(mesh, groups, first_face, &opening, workshop);
         }
-        self.faces.extend(workshop.crumbs.ordered_faces(&workshop.order));
+        self.faces.extend(workshop.groups.ordered_faces(&workshop.order));
     }
 
-    /// Divides a range of the order of crumbs, whose faces will stand from `face` on, and makes a
+    /// Divides a range of the order of groups, whose faces will stand from `face` on, and makes a
     /// facet of each part; those with many faces are left waiting for a layer.
     fn add_layer(
         &mut self,
@@ -143,9 +143,9 @@ impl Envelopes {
         opening: &Opening,
         workshop: &mut Workshop,
     ) {
-        let Workshop { crumbs, order, scratch, layer, in_order, waiting } = workshop;
+        let Workshop { groups, order, scratch, layer, in_order, waiting } = workshop;
         let range = &mut order[start..end];
-        let mut parts = clusters(&crumbs.items, range, opening, &self.options, scratch);
+        let mut parts = clusters(&groups.items, range, opening, &self.options, scratch);
         parts.sort_unstable_by_key(|part| part.start);
         layer.clear();
         for part in parts {
@@ -153,10 +153,10 @@ impl Envelopes {
             let normal = part.moments.normal(opening);
             let (mut height, mut reach) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
             let mut bounds = Aabb::EMPTY;
-            for crumb in order[range[0]..range[1]].iter().map(|&item| crumbs.crumb(item)) {
-                reach = larger(reach, crumb.reach);
-                bounds = bounds.union(&crumb.bounds);
-                for &v in crumbs.corners(crumb) {
+            for group in order[range[0]..range[1]].iter().map(|&item| groups.group(item)) {
+                reach = larger(reach, group.reach);
+                bounds = bounds.union(&group.bounds);
+                for &v in groups.corners(group) {
                     height = larger(height, normal.dot(mesh.position(v)));
                 }
             }
@@ -190,14 +190,14 @@ impl Envelopes {
 /// Memory that is used again from pocket to pocket.
 #[derive(Default)]
 pub(super) struct Workshop {
-    crumbs: Crumbs,
-    /// The crumbs as they are divided.
+    groups: FaceGroups,
+    /// The groups as they are divided.
     order: Vec<u32>,
     scratch: Scratch,
     /// Facets of a layer in the making, and their ranges of the order.
     layer: Vec<(EnvelopeFacet, [usize; 2])>,
     /// Their reaches and places there, from the cap inwards.
     in_order: Vec<(f64, u32)>,
-    /// Facets whose crumbs are to be divided.
+    /// Facets whose groups are to be divided.
     waiting: VecDeque<(usize, [usize; 2])>,
 }

@@ -1,22 +1,22 @@
-//! Dividing the crumbs beneath a facet into those of the next layer.
+//! Dividing the groups beneath a facet into those of the next layer.
 //!
 //! Greedy: the costliest part is divided in two until the layer is full. A part costs its number of
 //! faces times its *thickness*, the depth of its faces beneath their plane: that is how many faces
-//! a thing within a random distance of the plane has to look at. Two ways to divide are tried, each
+//! a probe within a random distance of the plane has to look at. Two ways to divide are tried, each
 //! at the middle of the widest range: by position in a frame along and around the opening
 //! direction, or by normal. The lesser sum of costs wins: on a thread, azimuths first and flanks
 //! later; in a box, its sides at once.
 //!
-//! Costs follow from sums over crumbs (`moments`): both ways together divide a part into quarters,
-//! so one pass over its crumbs judges both.
+//! Costs follow from sums over groups (`moments`): both ways together divide a part into quarters,
+//! so one pass over its groups judges both.
 //!
 //! Source: to divide the worst part in two until there are enough is Heckbert's way with colours
 //! (1982, "Color image quantization for frame buffer display"); what a part costs and the two ways
 //! are this crate's own. Any division is right. Cost: for each division a pass or two over the
-//! crumbs of the part that is divided, and a glance at each part.
+//! groups of the part that is divided, and a glance at each part.
 
 use super::EnvelopeOptions;
-use super::crumbs::Item;
+use super::face_groups::Item;
 use super::moments::{Moments, Opening};
 use cranny_geometry::partition;
 

@@ -1,27 +1,27 @@
 //! Envelopes: nested convex layers of a concavity, from the cap inwards.
 //!
 //! A **facet** is a half-space `normal · x <= offset` with some faces of the concavity beneath it:
-//! each of their vertices lies in it, as real numbers; the normal points into the pocket. A thing
+//! each of their vertices lies in it, as real numbers; the normal points into the pocket. A probe
 //! all of whose points have `normal · x > offset` touches nothing that lies beneath. A **layer** is
 //! a set of at most [`EnvelopeOptions::width`] facets. Those of the first layer divide the faces of
 //! the concavity among them; what is beyond all of them is the layer's **core**, a convex region
 //! that touches no face: a ball in a cup, a peg in a hole stay there nearly always, and a dozen
-//! planes say so. Where the thing **offends** a facet, the layer beneath is looked at: the same
+//! planes say so. Where the probe **offends** a facet, the layer beneath is looked at: the same
 //! construction for the facet's faces alone, finer by a factor of a dozen. So layers nest down to a
 //! few faces, and each facet with what lies beneath is a sub-cavity.
 //!
 //! A half-space holds too much sideways (the far leg of a bent pocket lies beneath facets of the
 //! near one). So a facet has a box too, and a *reach*: how far towards the cap its faces come.
 //! Facets of a layer stand in the order of their reach, from the cap inwards, and a look at a layer
-//! ends at the first facet below the thing: a thing that enters meets slice after slice.
+//! ends at the first facet below the probe: a probe that enters meets slice after slice.
 //!
-//! How faces are divided: into `crumbs` of a few that lie together and face the same way; and these
+//! How faces are divided: into `groups` of a few that lie together and face the same way; and these
 //! by where they lie along and around the opening direction, or by their normals, whichever leaves
 //! the thinner layers beneath the planes; the thickest part is divided first (`cluster`). Nothing
 //! is assumed of the pocket: voids have no lid, openings may be flat, faces may face anywhere.
 //!
 //! **Cells.** The facet with the least slack, `least(normal · x) − offset`, says where in the core
-//! a thing is: for a point, its cell in the Voronoi diagram of the layer's planes; for a body,
+//! a probe is: for a point, its cell in the Voronoi diagram of the layer's planes; for a body,
 //! pseudo-Voronoi (after Ponamgi, Manocha and Lin 1997, who walk exterior regions; here planes
 //! replace features, so that a concavity needs as few of them as one likes). [`Envelope::track`]
 //! keeps it from frame to frame with one evaluation while the motion stays within what the other
@@ -32,16 +32,16 @@
 
 mod build;
 mod cluster;
-mod crumbs;
+mod face_groups;
 mod moments;
-mod thing;
+mod probe;
 mod update;
 mod validate;
 mod walk;
 
 use cranny_exact::{Aabb, DVec3};
 
-pub use self::thing::Thing;
+pub use self::probe::Probe;
 pub use self::walk::{Cell, Opened, Passage};
 use crate::ids::{EnvelopeFacetId, LayerId};
 use cranny_geometry::{FaceId, OptionalIndex};
@@ -57,7 +57,7 @@ pub struct EnvelopeOptions {
 }
 
 impl EnvelopeOptions {
-    /// Fewer make a smaller core, so that things offend more; more are looked at in vain: in a cup
+    /// Fewer make a smaller core, so that probes offend more; more are looked at in vain: in a cup
     /// and on a thread 8, 16 and 32 differ by less than a third (`docs/notebook`).
     pub const DEFAULT_WIDTH: usize = 16;
     /// Fewer make more facets than faces; more hand faces over that are far away.

@@ -7,16 +7,16 @@
 //!
 //! The thickness of a part along a normal is read off the second moments of its faces' corners:
 //! their variance along it is that of an even layer so thick. Sums can be added, so a part costs
-//! one pass over its crumbs however many ways to divide it are judged, and no sorting. Only costs
+//! one pass over its groups however many ways to divide it are judged, and no sorting. Only costs
 //! follow from it; the planes themselves hold every corner.
 //!
 //! Source: second moments of faces say how boxes lie in Gottschalk, Lin and Manocha (1996,
 //! "OBBTree: a hierarchical structure for rapid interference detection"); here a thickness alone is
-//! read off them. Cost: O(1) to add a crumb or two sums, and to compute a normal or a cost.
+//! read off them. Cost: O(1) to add a group or two sums, and to compute a normal or a cost.
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::crumbs::Item;
+use super::face_groups::Item;
 
 /// How a pocket opens.
 #[derive(Clone, Copy)]
@@ -185,7 +185,7 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::crumbs::Crumbs;
+    use crate::envelope::face_groups::FaceGroups;
     use cranny_geometry::FaceId;
     use cranny_geometry::FaceTree;
     use cranny_geometry::Mesh;
@@ -196,13 +196,13 @@ mod tests {
         let vertices = [floor(0.0), floor(0.5)].concat();
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let opening = Opening::of(&[DVec3::Z * 3.0], &mesh.bounds());
-        let mut crumbs = Crumbs::default();
+        let mut groups = FaceGroups::default();
         let tree = FaceTree::over(&mesh, &[FaceId(0), FaceId(1)], 1);
-        crumbs.fill(&mesh, &tree, 0, &opening, 1);
+        groups.fill(&mesh, &tree, 0, &opening, 1);
         // Corners of a floor vary by 2/9 along x and y, those of both by 1/16 along z.
         for (items, variances) in [
-            (&crumbs.items[..1], [0.0, 4.0 / 9.0]),
-            (&crumbs.items[..], [0.0625, 4.0 / 9.0 + 0.0625]),
+            (&groups.items[..1], [0.0, 4.0 / 9.0]),
+            (&groups.items[..], [0.0625, 4.0 / 9.0 + 0.0625]),
         ] {
             let moments = Moments::of(items);
             assert_eq!(moments.count(), items.len() as f64);

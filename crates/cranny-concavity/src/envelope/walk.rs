@@ -1,18 +1,18 @@
-//! A thing in a concavity: entry, offended facets, the cell it is in, exit.
+//! A probe in a concavity: entry, offended facets, the cell it is in, exit.
 //!
 //! Source: cells are kept as Ponamgi, Manocha and Lin (1997) keep features, see the module; layers
 //! are this crate's own. Cost: at most two support evaluations a lid; then, in each layer opened, a
-//! comparison of boxes for each facet that comes as far as the thing and an evaluation for each
+//! comparison of boxes for each facet that comes as far as the probe and an evaluation for each
 //! whose box it meets. [`Opened`] counts them. Tracking costs one evaluation where the cell stays,
 //! else one a facet of the layer.
 
 use cranny_exact::DVec3;
 
-use super::{Envelope, HalfSpace, Thing};
+use super::{Envelope, HalfSpace, Probe};
 use crate::ids::{EnvelopeFacetId, LayerId};
 use cranny_geometry::FaceId;
 
-/// Where a thing is with respect to a concavity's lids.
+/// Where a probe is with respect to a concavity's lids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passage {
     /// Wholly beyond the half-space of this lid: it has left, or not come in, and touches no face.
@@ -40,12 +40,12 @@ pub struct Opened {
     pub faces: usize,
 }
 
-/// The facet of a layer that a thing is nearest to, kept from frame to frame.
+/// The facet of a layer that a probe is nearest to, kept from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// The facet with the least slack; the lowest where several have it.
     pub facet: EnvelopeFacetId,
-    /// `least(normal · x) − offset`, to rounding: how far the thing is clear of everything beneath
+    /// `least(normal · x) − offset`, to rounding: how far the probe is clear of everything beneath
     /// the layer; negative where it offends.
     pub slack: f64,
     /// No other facet of the layer has less.
@@ -53,77 +53,77 @@ pub struct Cell {
 }
 
 impl Envelope<'_> {
-    /// Where a thing is with respect to the lids. Cost: at most two evaluations a lid.
+    /// Where a probe is with respect to the lids. Cost: at most two evaluations a lid.
     #[must_use]
-    pub fn passage<F: Fn(DVec3) -> f64>(&self, thing: &Thing<F>) -> Passage {
+    pub fn passage<F: Fn(DVec3) -> f64>(&self, probe: &Probe<F>) -> Passage {
         let lids = self.lids();
-        if let Some(lid) = lids.iter().position(|l| thing.is_beyond(l.normal, l.offset)) {
+        if let Some(lid) = lids.iter().position(|l| probe.is_beyond(l.normal, l.offset)) {
             return Passage::Beyond(lid);
         }
-        if !thing.bounds().overlaps(self.bounds()) {
+        if !probe.bounds().overlaps(self.bounds()) {
             return Passage::Apart;
         }
-        let crosses = |l: &HalfSpace| -thing.least(-l.normal) > l.offset;
+        let crosses = |l: &HalfSpace| -probe.least(-l.normal) > l.offset;
         lids.iter().position(crosses).map_or(Passage::Within, Passage::Through)
     }
 
-    /// Calls `visit` with each facet of a layer that the thing may offend: where it does not, it
-    /// certainly touches nothing beneath. From the cap inwards, no further than the thing comes.
+    /// Calls `visit` with each facet of a layer that the probe may offend: where it does not, it
+    /// certainly touches nothing beneath. From the cap inwards, no further than the probe comes.
     pub fn offended<F: Fn(DVec3) -> f64>(
         &self,
         layer: LayerId,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
         visit: impl FnMut(EnvelopeFacetId),
     ) {
-        let lowest = thing.least(self.axis());
-        self.offended_above(layer, thing, lowest, &mut Opened::default(), visit);
+        let lowest = probe.least(self.axis());
+        self.offended_above(layer, probe, lowest, &mut Opened::default(), visit);
     }
 
-    /// Whether the thing may offend a facet; where it does not, it certainly touches nothing
+    /// Whether the probe may offend a facet; where it does not, it certainly touches nothing
     /// beneath.
     #[must_use]
     pub fn is_offended<F: Fn(DVec3) -> f64>(
         &self,
         facet: EnvelopeFacetId,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
     ) -> bool {
-        let (lowest, mut is_offended) = (thing.least(self.axis()), false);
-        self.offended_among([facet], thing, lowest, &mut Opened::default(), |_| is_offended = true);
+        let (lowest, mut is_offended) = (probe.least(self.axis()), false);
+        self.offended_among([facet], probe, lowest, &mut Opened::default(), |_| is_offended = true);
         is_offended
     }
 
     fn offended_above<F: Fn(DVec3) -> f64>(
         &self,
         layer: LayerId,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
         lowest: f64,
         opened: &mut Opened,
         visit: impl FnMut(EnvelopeFacetId),
     ) {
         opened.layers += 1;
-        self.offended_among(self.all.layer(layer), thing, lowest, opened, visit);
+        self.offended_among(self.all.layer(layer), probe, lowest, opened, visit);
     }
 
     /// Of some facets, those that reach farther up first.
     fn offended_among<F: Fn(DVec3) -> f64>(
         &self,
         facets: impl IntoIterator<Item = EnvelopeFacetId>,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
         lowest: f64,
         opened: &mut Opened,
         mut visit: impl FnMut(EnvelopeFacetId),
     ) {
         for id in facets {
             let facet = self.all.facet(id);
-            if thing.is_above(lowest, facet.reach) {
+            if probe.is_above(lowest, facet.reach) {
                 break; // the facets that follow reach no farther
             }
             opened.boxes += 1;
-            if !thing.bounds().overlaps(&facet.bounds) {
+            if !probe.bounds().overlaps(&facet.bounds) {
                 continue;
             }
             opened.planes += 1;
-            if !thing.is_beyond(facet.beneath.normal, facet.beneath.offset) {
+            if !probe.is_beyond(facet.beneath.normal, facet.beneath.offset) {
                 opened.facets += 1;
                 visit(id);
             }
@@ -131,17 +131,17 @@ impl Envelope<'_> {
     }
 
     /// Calls `visit` with the faces that lie beneath offended facets, layer by layer: all faces
-    /// that meet the thing are among them. Says what was looked at.
+    /// that meet the probe are among them. Says what was looked at.
     pub fn for_each_face<F: Fn(DVec3) -> f64>(
         &self,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
         mut visit: impl FnMut(FaceId),
     ) -> Opened {
         let mut opened = Opened::default();
-        if matches!(self.passage(thing), Passage::Beyond(_) | Passage::Apart) {
+        if matches!(self.passage(probe), Passage::Beyond(_) | Passage::Apart) {
             return opened;
         }
-        let lowest = thing.least(self.axis());
+        let lowest = probe.least(self.axis());
         let mut stack: Vec<LayerId> = self.first_layer().into_iter().collect();
         let mut faces = 0;
         while let Some(layer) = stack.pop() {
@@ -153,26 +153,26 @@ impl Envelope<'_> {
                     beneath.iter().copied().for_each(&mut visit);
                 }
             };
-            self.offended_above(layer, thing, lowest, &mut opened, open);
+            self.offended_above(layer, probe, lowest, &mut opened, open);
         }
         opened.faces = faces;
         opened
     }
 
-    /// The cell of a layer that the thing is in. With the cell of an earlier frame and a bound on
-    /// how much any `least` may have changed since (the motion of the thing's points, rounding
+    /// The cell of a layer that the probe is in. With the cell of an earlier frame and a bound on
+    /// how much any `least` may have changed since (the motion of the probe's points, rounding
     /// included) one evaluation mostly suffices; the facet and the slack are those of a cold look,
     /// to the bit.
     #[must_use]
     pub fn track<F: Fn(DVec3) -> f64>(
         &self,
         layer: LayerId,
-        thing: &Thing<F>,
+        probe: &Probe<F>,
         earlier: Option<(&Cell, f64)>,
     ) -> Cell {
         let slack = |id: EnvelopeFacetId| {
             let beneath = &self.all.facet(id).beneath;
-            thing.least(beneath.normal) - beneath.offset
+            probe.least(beneath.normal) - beneath.offset
         };
         if let Some((cell, motion)) = earlier
             && self.all.layer(layer).any(|id| id == cell.facet)

@@ -1,6 +1,6 @@
 //! Descent of the layers of an envelope against the boxes of the other body's part.
 //!
-//! A box of the other body is a [`Thing`] in the pocket's frame. Where it offends a facet, either
+//! A box of the other body is a [`Probe`] in the pocket's frame. Where it offends a facet, either
 //! the box is opened or what lies beneath the facet, whichever is larger; until a few faces are
 //! left on both sides. What is not offended is certainly not met (see [`Envelope::offended`]).
 //! Source and cost: see the module.
@@ -11,7 +11,7 @@ use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{Content, FaceId, FaceTree, Model};
 
 use super::{PocketBody, PocketCounters, PosedModels};
-use crate::envelope::Thing;
+use crate::envelope::Probe;
 use crate::{ConcavityId, EnvelopeFacetId, Envelopes, LayerId, NodeSet};
 
 /// A part of a body's surface: the faces of a concavity, or those of none, in a tree.
@@ -69,16 +69,16 @@ pub(super) fn for_each_pair_in_pocket(
     let mut stack = vec![(Beneath::Layer(first), guest.root)];
     let mut offended = Vec::new();
     while let Some((beneath, node)) = stack.pop() {
-        let thing = posed_box(&host_from_guest, pair.error, guest.bounds(node));
+        let probe = posed_box(&host_from_guest, pair.error, guest.bounds(node));
         offended.clear();
         match beneath {
             Beneath::Layer(layer) => {
                 counters.facets_compared += envelopes.layer(layer).len() as u64;
-                envelope.offended(layer, &thing, |facet| offended.push(facet));
+                envelope.offended(layer, &probe, |facet| offended.push(facet));
             }
             Beneath::Facet(facet) => {
                 counters.facets_compared += 1;
-                offended.extend(envelope.is_offended(facet, &thing).then_some(facet));
+                offended.extend(envelope.is_offended(facet, &probe).then_some(facet));
             }
         }
         for &facet in &offended {
@@ -128,11 +128,11 @@ fn next(envelopes: &Envelopes, facet: EnvelopeFacetId, guest: &SurfacePart, node
 }
 
 /// A box of the guest, seen in the host's frame.
-fn posed_box(map: &RigidMap, error: f64, bounds: &Aabb) -> Thing<impl Fn(DVec3) -> f64> {
+fn posed_box(map: &RigidMap, error: f64, bounds: &Aabb) -> Probe<impl Fn(DVec3) -> f64> {
     let (center, half) = (map.apply(bounds.center()), bounds.half_extents());
     let least = move |direction: DVec3| {
         let along = (map.linear.transpose() * direction).abs();
         (direction.dot(center) - along.dot(half) - error).next_down()
     };
-    Thing::new(least, 0.0)
+    Probe::new(least, 0.0)
 }

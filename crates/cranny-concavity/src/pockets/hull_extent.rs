@@ -8,13 +8,13 @@ use std::cell::Cell;
 use cranny_exact::DVec3;
 
 use super::PosedModels;
-use crate::envelope::Thing;
+use crate::envelope::Probe;
 
 /// The hull of a body (`guest`: 0 or 1), seen from the other.
 pub(super) fn hull_of_guest<'a>(
     pair: &PosedModels<'a>,
     guest: usize,
-) -> Thing<impl Fn(DVec3) -> f64 + use<'a>> {
+) -> Probe<impl Fn(DVec3) -> f64 + use<'a>> {
     let (hull, host_from_guest) = (pair.models[guest].hull(), pair.map_to(1 - guest));
     let error = pair.error;
     // Where the last climb ended.
@@ -29,7 +29,7 @@ pub(super) fn hull_of_guest<'a>(
             (direction.dot(place) - error).next_down()
         })
     };
-    Thing::new(least, 0.0)
+    Probe::new(least, 0.0)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //!
 //! The faces of a body are those in its concavities and the rest, which lies on the hull. Where two
 //! hulls meet, each part of one body is compared with each part of the other, in three
-//! [cases](PartsCase): rest against rest is contact on the hulls, rest against concavity is a thing
+//! [cases](PartsCase): rest against rest is contact on the hulls, rest against concavity is a probe
 //! in a pocket, concavity against concavity is one pocket in another. A concavity is opened only
 //! where the other body's hull may reach its faces, whether or not that crosses a lid: not where
 //! the hull is beyond a lid, nor where it offends no facet of the first layer of the pocket's
@@ -33,7 +33,7 @@ use cranny_geometry::{FaceId, Model};
 
 use self::descent::{SurfacePart, for_each_pair_in_pocket};
 use self::hull_extent::hull_of_guest;
-use crate::envelope::{Cell, Passage, Thing};
+use crate::envelope::{Cell, Passage, Probe};
 use crate::{Concavities, ConcavityId, Envelope, LayerId, NodeSet};
 
 /// Two parts of bodies whose hulls meet: each is a concavity, or the faces that are in none and lie
@@ -253,11 +253,11 @@ impl Pockets {
     }
 }
 
-/// Whether a thing may offend a facet of a layer: not where its box misses that of the faces
+/// Whether a probe may offend a facet of a layer: not where its box misses that of the faces
 /// beneath, either, though it comes below the plane elsewhere, as a long peg does.
-fn offends<F: Fn(DVec3) -> f64>(envelope: &Envelope, layer: LayerId, thing: &Thing<F>) -> bool {
+fn offends<F: Fn(DVec3) -> f64>(envelope: &Envelope, layer: LayerId, probe: &Probe<F>) -> bool {
     let mut offends = false;
-    envelope.offended(layer, thing, |_| offends = true);
+    envelope.offended(layer, probe, |_| offends = true);
     offends
 }
 
@@ -275,23 +275,23 @@ fn opened_on(
     if concavities.is_empty() {
         return (met, open);
     }
-    let thing = hull_of_guest(pair, 1 - host);
+    let probe = hull_of_guest(pair, 1 - host);
     for (index, concavity) in concavities.iter().enumerate() {
         let envelope = concavities.envelopes().envelope(index);
-        if !thing.bounds().overlaps(envelope.bounds()) {
+        if !probe.bounds().overlaps(envelope.bounds()) {
             continue;
         }
         let Some(layer) = envelope.first_layer() else { continue };
         let id = concavity.id();
-        if matches!(envelope.passage(&thing), Passage::Beyond(_) | Passage::Apart) {
+        if matches!(envelope.passage(&probe), Passage::Beyond(_) | Passage::Apart) {
             counters.passed += 1;
             continue;
         }
         let known = before.binary_search_by_key(&id, |met| met.concavity).ok();
         let earlier = known.zip(step).map(|(known, step)| (&before[known].cell, step));
-        let cell = envelope.track(layer, &thing, earlier);
+        let cell = envelope.track(layer, &probe, earlier);
         met.push(Met { concavity: id, cell });
-        if cell.slack > 0.0 || !offends(&envelope, layer, &thing) {
+        if cell.slack > 0.0 || !offends(&envelope, layer, &probe) {
             counters.passed += 1;
         } else {
             counters.opened += 1;

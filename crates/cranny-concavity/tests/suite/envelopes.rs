@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::meshes::{scaled, soup, turned};
 use cranny_concavity::envelope::{
-    Cell, EnvelopeOptions, Envelopes, HalfSpace, Passage, Pocket, Thing,
+    Cell, EnvelopeOptions, Envelopes, HalfSpace, Passage, Pocket, Probe,
 };
 use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::{ConvexHull, DisjointSets, FaceId, Mesh, Topology};
@@ -61,7 +61,7 @@ fn all(mesh: &Mesh) -> Vec<FaceId> {
 }
 
 fn reached(envelopes: &Envelopes, corners: &[DVec3], margin: f64) -> BTreeSet<FaceId> {
-    let thing = Thing::of_points(corners, margin);
+    let thing = Probe::of_points(corners, margin);
     let mut found = BTreeSet::new();
     for index in 0..envelopes.len() {
         let mut faces = 0;
@@ -154,8 +154,8 @@ fn planes_hold_what_lies_beneath_in_rational_arithmetic() {
 }
 
 /// A sphere in closed form.
-fn ball(center: DVec3, radius: f64) -> Thing<impl Fn(DVec3) -> f64> {
-    Thing::new(move |n: DVec3| n.dot(center) - radius * (1.0 + 1e-12), 0.0)
+fn ball(center: DVec3, radius: f64) -> Probe<impl Fn(DVec3) -> f64> {
+    Probe::new(move |n: DVec3| n.dot(center) - radius * (1.0 + 1e-12), 0.0)
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn a_peg_in_a_hole_stays_in_the_core() {
             let across = (n.x * n.x + n.y * n.y).sqrt();
             n.x * x - radius * across - 10.0 * torus.major_radius * n.z.abs() - 1e-9
         };
-        Thing::new(least, 0.0)
+        Probe::new(least, 0.0)
     };
     assert_eq!(through.for_each_face(&peg(0.0), |_| {}).faces, 0);
     assert_eq!(through.passage(&peg(0.0)), Passage::Through(0));
@@ -231,7 +231,7 @@ fn a_tracked_cell_is_the_one_that_a_cold_look_finds() {
             evaluations.set(evaluations.get() + 1);
             thing.least(n)
         };
-        let counted = Thing::new(counted, 0.0);
+        let counted = Probe::new(counted, 0.0);
         let before = evaluations.get(); // after those for the box
         let cell = inside.track(layer, &counted, warm.as_ref().map(|cell| (cell, motion)));
         spent += evaluations.get() - before;

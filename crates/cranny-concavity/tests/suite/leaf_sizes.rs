@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use crate::body::Body;
-use cranny_concavity::envelope::{Pocket, Thing};
+use cranny_concavity::envelope::{Pocket, Probe};
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{
     BuildError, BuildOptions, Content, FaceForest, FaceId, FaceTree, Mesh, Model, VertexId,
@@ -49,7 +49,7 @@ fn met(model: &Body, concavity: usize, window: &Aabb) -> [Vec<FaceId>; 2] {
     let corners: Vec<DVec3> = (0..8)
         .map(|i| DVec3::new(corners[i & 1].x, corners[i >> 1 & 1].y, corners[i >> 2].z))
         .collect();
-    let thing = Thing::of_points(&corners, 0.0);
+    let thing = Probe::of_points(&corners, 0.0);
     model.envelopes().envelope(concavity).for_each_face(&thing, |f| by_envelope.push(f));
     [by_tree, by_envelope].map(|mut found| {
         found.retain(is_met);

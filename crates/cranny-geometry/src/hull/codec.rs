@@ -13,7 +13,7 @@ use crate::codec::{
     owners_of_rows, plain_struct,
 };
 use crate::ids::VertexId;
-use crate::late::Late;
+use crate::lazy::Lazy;
 use crate::mesh::Mesh;
 
 plain_struct!(HullVertexId(u32));
@@ -56,7 +56,7 @@ impl ConvexHull {
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
         check(excluded.is_sorted_by(|a, b| a < b), "points are not ascending")?;
-        let (graph, leaving, bounds) = (Late::default(), Leaving::default(), Late::default());
+        let (graph, leaving, bounds) = (Lazy::default(), Leaving::default(), Lazy::default());
         Ok(Self { kind, sources, positions, surface, graph, leaving, bounds, facets, excluded })
     }
 }

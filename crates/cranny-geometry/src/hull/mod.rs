@@ -56,7 +56,7 @@ use cranny_exact::{Aabb, DVec3, DomainError, check_point, is_in_domain};
 use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
-use crate::late::Late;
+use crate::lazy::Lazy;
 use crate::typed_index;
 pub use canonical::lowest_first;
 pub use facet_order::FacetOrder;
@@ -110,18 +110,18 @@ pub struct ConvexHull {
     positions: Vec<DVec3>,
     surface: HullSurface,
     /// Made of positions and surface: `graph()`.
-    graph: Late<SupportGraph>,
+    graph: Lazy<SupportGraph>,
     /// A half-edge that starts at each vertex; made of the surface when it is first needed.
     leaving: Leaving,
     /// Made of positions.
-    bounds: Late<Aabb>,
+    bounds: Lazy<Aabb>,
     facets: FacetLayer,
     excluded: Vec<VertexId>,
 }
 
 /// A half-edge for each vertex that starts there, whichever.
 #[derive(Clone, Default)]
-struct Leaving(Late<Vec<u32>>);
+struct Leaving(Lazy<Vec<u32>>);
 
 /// Which half-edges these are means nothing, so it is not shown.
 impl std::fmt::Debug for Leaving {
@@ -234,9 +234,9 @@ impl ConvexHull {
             sources: vertices.into_iter().map(VertexId).collect(),
             positions,
             surface,
-            graph: Late::made(graph),
+            graph: Lazy::made(graph),
             leaving: Leaving::default(),
-            bounds: Late::default(),
+            bounds: Lazy::default(),
             facets,
             excluded: Vec::new(),
         }

@@ -19,7 +19,7 @@ use super::support::SupportGraph;
 use super::{ConvexHull, HullKind, Leaving};
 use crate::each_once::each_once;
 use crate::ids::VertexId;
-use crate::late::Late;
+use crate::lazy::Lazy;
 
 /// A hull that follows another one.
 pub(crate) struct Followed {
@@ -101,10 +101,10 @@ impl ConvexHull {
             sources,
             positions,
             surface,
-            graph: Late::made(graph),
-            leaving: Leaving(Late::made(leaving)),
+            graph: Lazy::made(graph),
+            leaving: Leaving(Lazy::made(leaving)),
             facets,
-            bounds: Late::made(new_bounds),
+            bounds: Lazy::made(new_bounds),
             excluded: Vec::new(),
         };
         Followed { hull, facets: change, triangles, measured, inside }

@@ -17,7 +17,7 @@ use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{FromStored, Late};
+use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -162,7 +162,7 @@ impl Model {
             hull,
             tree: FromStored::stored(tree),
             patches,
-            clusters: Late::default(),
+            clusters: Lazy::default(),
             mass,
             radius,
             digest,

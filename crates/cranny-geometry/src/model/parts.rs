@@ -4,7 +4,7 @@ use crate::clusters::ClusterTree;
 use crate::deform::Workshop;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{FromStored, Late};
+use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -20,7 +20,7 @@ pub(crate) struct Parts {
     pub(crate) tree: FromStored<StoredTree, FaceTree>,
     pub(crate) patches: Patches,
     /// Follows from mesh, topology and patches.
-    pub(crate) clusters: Late<ClusterTree>,
+    pub(crate) clusters: Lazy<ClusterTree>,
     pub(crate) mass: Option<MassProperties>,
     pub(crate) radius: f64,
     pub(crate) digest: [u8; 32],
@@ -56,6 +56,6 @@ impl Parts {
     /// Puts a tree in. What follows from the surface is made anew when it is next needed.
     pub(crate) fn put_tree(&mut self, tree: FaceTree) {
         self.tree = FromStored::made(tree);
-        self.clusters = Late::default();
+        self.clusters = Lazy::default();
     }
 }

@@ -5,7 +5,7 @@ use super::components::components_of_runs;
 use super::edges::Edges;
 use crate::codec::{Flaw, Reader, Writer, check, check_below};
 use crate::ids::{FaceId, HalfEdgeId};
-use crate::late::Late;
+use crate::lazy::Lazy;
 use crate::mesh::Mesh;
 
 impl Topology {
@@ -52,7 +52,7 @@ impl Topology {
         };
         check(edges.is_sorted, "half-edges are not sorted")?;
         check(is_one, "an edge joins two components")?;
-        Ok(Self::assembled(around, edges, (mesh.vertices().len(), Late::default()), components))
+        Ok(Self::assembled(around, edges, (mesh.vertices().len(), Lazy::default()), components))
     }
 }
 

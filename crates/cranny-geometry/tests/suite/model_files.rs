@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::meshes::{soup, turned};
 use cranny_concavity::Cover;
-use cranny_concavity::envelope::Thing;
+use cranny_concavity::envelope::Probe;
 use cranny_concavity::{CapId, Concavities};
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::hull::{FacetId, HullVertexId};
@@ -527,7 +527,7 @@ fn use_concavities(model: &Body) {
         assert_eq!(model.concavity_trees().faces(index).len(), concavity.faces.len());
         let envelope = model.envelopes().envelope(index);
         let corners = model.mesh().vertices();
-        let thing = Thing::of_points(corners, 0.0);
+        let thing = Probe::of_points(corners, 0.0);
         let mut seen = 0;
         envelope.for_each_face(&thing, |_| seen += 1);
         assert!(seen <= concavity.faces.len());

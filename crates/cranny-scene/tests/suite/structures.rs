@@ -9,7 +9,7 @@ use crate::body::Body;
 use crate::corpus_files::mesh_files;
 use crate::equal;
 use crate::moves;
-use cranny_concavity::envelope::Thing;
+use cranny_concavity::envelope::Probe;
 use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::FaceId;
 use cranny_scene::read_mesh;
@@ -88,7 +88,7 @@ fn envelopes_of_a_models_concavities_miss_no_face() {
                 let at = model.mesh().triangle(face)[0] + 0.5 * reach * any();
                 let tetrahedron = [0; 4].map(|_| at + reach * any());
                 let mut found = BTreeSet::new();
-                envelope.for_each_face(&Thing::of_points(&tetrahedron, 0.0), |f| {
+                envelope.for_each_face(&Probe::of_points(&tetrahedron, 0.0), |f| {
                     assert!(found.insert(f), "{name}: face {} is handed over twice", f.0);
                 });
                 for &f in &looked_at {

@@ -10,7 +10,7 @@ use cranny_shapes::{Cup, Cylinder, IsoNut, Sphere};
 use super::scenes::{Built, nut_on_bolt};
 use super::{name_of, prepared};
 use crate::report::{Cell, Report, Table};
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// Measures both methods on the same poses, in turns.
 pub(crate) fn measure(quick: bool) -> Report {
@@ -64,7 +64,7 @@ fn row(name: &str, models: &[Model; 2], poses: &[Pose], demand: Demand, quick: b
         all
     };
     let [boxes, envelopes] = race(
-        Patience { least: 2, ..Patience::of(quick) },
+        Repeats { least: 2, ..Repeats::of(quick) },
         [&mut || keep(run(Method::Boxes)), &mut || keep(run(Method::Envelopes))],
     );
     let frames = poses.len() as f64;

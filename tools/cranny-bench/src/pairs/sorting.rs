@@ -20,7 +20,7 @@ use self::levels::Levels;
 use super::prepared;
 use super::scenes::{Built, golf_balls, nut_on_bolt, tori};
 use crate::report::{Cell, Report, Table};
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// Measures the three on the same poses, in turns.
 pub(crate) fn measure(quick: bool) -> Report {
@@ -107,7 +107,7 @@ fn row(name: &str, models: &[Model; 2], poses: &[Pose], quick: bool) -> Vec<Cell
     keep(ask(&mut memory));
     let (compared, tested) = (descend(), ask(&mut memory));
     let [by_sorting, by_descent, by_front] = race(
-        Patience { least: 2, ..Patience::of(quick) },
+        Repeats { least: 2, ..Repeats::of(quick) },
         [&mut || keep(sort(&mut levels)), &mut || keep(descend()), &mut || keep(ask(&mut memory))],
     )
     .map(|seconds| seconds / poses.len() as f64);

@@ -11,7 +11,7 @@ use cranny_shapes::ShapeError;
 
 use crate::report::{Cell, Report, Table};
 use crate::solid;
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 use descent::{Counts, descend};
 use scenes::Scene;
 use variant::{Kind, Rule, Tree};
@@ -71,7 +71,7 @@ fn kinds(scene: &Scene, quick: bool) -> Table {
         // All kinds must find the same.
         assert_eq!(*meetings.get_or_insert(counts.meetings), counts.meetings, "{kind:?}");
         let [build] = race(
-            Patience { least: 1, most: 3, ..Patience::of(true) },
+            Repeats { least: 1, most: 3, ..Repeats::of(true) },
             [&mut || keep(Tree::build(&scene.meshes[0], kind))],
         );
         let poses = scene.poses.len();
@@ -111,7 +111,7 @@ fn walked(scene: &Scene, trees: &[Tree; 2], quick: bool) -> (Counts, f64) {
         let slack = 4.0 * map.posing_error(radius);
         let mut counts = Counts::default();
         let [time] = race(
-            Patience { least: 1, most: if quick { 1 } else { 5 }, ..Patience::of(true) },
+            Repeats { least: 1, most: if quick { 1 } else { 5 }, ..Repeats::of(true) },
             [&mut || {
                 counts = descend([&trees[0], &trees[1]], &scene.meshes[0], &second, map, slack);
             }],
@@ -136,7 +136,7 @@ fn building(quick: bool) -> Result<Table, ShapeError> {
         let topology = Topology::of(&mesh);
         let patches = Patches::of(&mesh, &topology);
         let [tree, whole] = race(
-            Patience::of(quick),
+            Repeats::of(quick),
             [&mut || keep(FaceTree::of(&mesh, BuildOptions::DEFAULT_LEAF_SIZE)), &mut || {
                 keep(Patches::of(&mesh, &topology));
             }],

@@ -1,6 +1,6 @@
 //! Envelopes beside the box tree: what is opened for a thing in a pocket.
 
-use cranny_concavity::envelope::{EnvelopeOptions, Envelopes, Opened, Pocket, Thing};
+use cranny_concavity::envelope::{EnvelopeOptions, Envelopes, Opened, Pocket, Probe};
 use cranny_exact::{DVec3, RigidMap};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId, FaceTree, Mesh, Patches, Topology};
 use cranny_shapes::{Cup, IsoNut, ShapeError, Torus};
@@ -9,7 +9,7 @@ use super::corners;
 use super::scenes::Scene;
 use crate::report::{Cell, Table};
 use crate::solid;
-use crate::stopwatch::{Patience, keep, race};
+use crate::stopwatch::{Repeats, keep, race};
 
 /// A pocket, and what is in it: convex things given by points in its frame.
 struct PocketCase {
@@ -105,7 +105,7 @@ fn opened(cases: &[PocketCase]) -> Table {
         let tree = FaceTree::over(&case.mesh, &case.faces, EnvelopeOptions::DEFAULT_LEAF_FACES);
         let (mut boxes, mut faces) = (0, 0);
         for points in &case.things {
-            let thing = Thing::of_points(points, 0.0);
+            let thing = Probe::of_points(points, 0.0);
             let keep = |b: &cranny_exact::Aabb| {
                 boxes += 1;
                 thing.bounds().overlaps(b)
@@ -133,7 +133,7 @@ fn opened(cases: &[PocketCase]) -> Table {
             let mut sum = Opened::default();
             for points in &case.things {
                 let envelope = envelopes.envelope(0);
-                let opened = envelope.for_each_face(&Thing::of_points(points, 0.0), |_| {});
+                let opened = envelope.for_each_face(&Probe::of_points(points, 0.0), |_| {});
                 sum.boxes += opened.boxes;
                 sum.planes += opened.planes;
                 sum.faces += opened.faces;
@@ -183,7 +183,7 @@ fn dimples(quick: bool) -> Result<Table, ShapeError> {
             let pockets = pockets.map(|(faces, openings)| Pocket { faces, openings });
             Envelopes::of(&mesh, pockets, &options)
         };
-        let [seconds] = race(Patience::of(quick), [&mut || keep(build())]);
+        let [seconds] = race(Repeats::of(quick), [&mut || keep(build())]);
         rows.push(vec![
             Cell::Count(width),
             Cell::Count(groups.len()),

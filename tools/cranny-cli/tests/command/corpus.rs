@@ -104,7 +104,7 @@ impl Pair {
             "300",
             "--deadlines",
             "200",
-            "--patience",
+            "--repeats",
             "300",
             "--runs",
             "1",

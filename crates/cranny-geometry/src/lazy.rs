@@ -9,16 +9,16 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Something that is there, or will be at its first use.
 #[derive(Clone, Debug)]
-pub(crate) struct Late<T>(OnceLock<T>);
+pub(crate) struct Lazy<T>(OnceLock<T>);
 
 /// Not there yet.
-impl<T> Default for Late<T> {
+impl<T> Default for Lazy<T> {
     fn default() -> Self {
         Self(OnceLock::new())
     }
 }
 
-impl<T> Late<T> {
+impl<T> Lazy<T> {
     /// What is there already.
     pub(crate) fn made(value: T) -> Self {
         Self(OnceLock::from(value))

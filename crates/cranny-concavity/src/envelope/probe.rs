@@ -9,14 +9,14 @@ use cranny_exact::{Aabb, DVec3};
 /// is too low is safe: more facets are opened. Bounds that posing may have rounded carry that
 /// rounding ([`RigidMap::posing_error`](cranny_exact::RigidMap::posing_error)).
 #[derive(Clone, Copy, Debug)]
-pub struct Thing<F> {
+pub struct Probe<F> {
     least: F,
     bounds: Aabb,
     margin: f64,
 }
 
-impl<F: Fn(DVec3) -> f64> Thing<F> {
-    /// From its support function; everything within `margin >= 0` of the thing counts as met. Cost:
+impl<F: Fn(DVec3) -> f64> Probe<F> {
+    /// From its support function; everything within `margin >= 0` of the probe counts as met. Cost:
     /// six evaluations, for the box.
     #[must_use]
     pub fn new(least: F, margin: f64) -> Self {
@@ -27,7 +27,7 @@ impl<F: Fn(DVec3) -> f64> Thing<F> {
         Self { least, bounds: Aabb { min, max }.grown(margin), margin }
     }
 
-    /// The box of the thing, grown by the margin.
+    /// The box of the probe, grown by the margin.
     #[must_use]
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
@@ -44,7 +44,7 @@ impl<F: Fn(DVec3) -> f64> Thing<F> {
         self.is_above(self.least(direction), offset)
     }
 
-    /// Whether a thing whose `least` in some direction is `lowest` certainly misses all that comes
+    /// Whether a probe whose `least` in some direction is `lowest` certainly misses all that comes
     /// no farther than `reach` in that direction, the margin kept.
     pub(super) fn is_above(&self, lowest: f64, reach: f64) -> bool {
         lowest > (reach + self.margin).next_up()
@@ -52,7 +52,7 @@ impl<F: Fn(DVec3) -> f64> Thing<F> {
 }
 
 /// The hull of some points. Cost of an evaluation: one dot product a point.
-impl<'p> Thing<Box<dyn Fn(DVec3) -> f64 + 'p>> {
+impl<'p> Probe<Box<dyn Fn(DVec3) -> f64 + 'p>> {
     /// From at least one point; see [`new`](Self::new).
     #[must_use]
     pub fn of_points(points: &'p [DVec3], margin: f64) -> Self {

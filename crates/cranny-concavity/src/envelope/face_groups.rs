@@ -1,9 +1,9 @@
-//! The faces of a pocket in groups of a few that lie together and face the same way: crumbs.
+//! The faces of a pocket in groups of a few that lie together and face the same way.
 //!
-//! Layers are made of crumbs, not of faces: there are a third as many, and what is summed once over
-//! the faces of a crumb need not be looked at again in every layer. Crumbs are taken from the tree
+//! Layers are made of groups, not of faces: there are a third as many, and what is summed once over
+//! the faces of a group need not be looked at again in every layer. Groups are taken from the tree
 //! over the pocket's faces: the largest parts of it that are few enough and lie across no sharp
-//! edge. How layers divide crumbs is judged with more care (`cluster`).
+//! edge. How layers divide groups is judged with more care (`cluster`).
 //!
 //! Cost: O(n), given the tree.
 //!
@@ -16,12 +16,12 @@ use cranny_geometry::Mesh;
 use cranny_geometry::{Content, FaceTree};
 use cranny_geometry::{FaceId, VertexId};
 
-/// Faces whose unit normals spread wider than this along an axis are no crumb: that is what lies on
-/// both sides of an edge of 45 degrees. Smaller, and crumbs of bent walls have single faces;
-/// larger, and crumbs lie across edges, where no plane is near to all of their faces.
+/// Faces whose unit normals spread wider than this along an axis are no group: that is what lies on
+/// both sides of an edge of 45 degrees. Smaller, and groups of bent walls have single faces;
+/// larger, and groups lie across edges, where no plane is near to all of their faces.
 const BENT: f64 = 0.75;
 
-/// A crumb, as layers divide it.
+/// A group, as layers divide it.
 #[derive(Clone, Copy)]
 pub(super) struct Item {
     /// What it may be divided by: the mean of its faces' middles in the opening's frame, with the
@@ -36,40 +36,40 @@ pub(super) struct Item {
     pub(super) count: u32,
 }
 
-/// What a crumb holds.
-pub(super) struct Crumb {
-    /// Range of [`Crumbs::faces`].
+/// What a group holds.
+pub(super) struct FaceGroup {
+    /// Range of [`FaceGroups::faces`].
     faces: [u32; 2],
-    /// Range of [`Crumbs::corners`].
+    /// Range of [`FaceGroups::corners`].
     corners: [u32; 2],
     pub(super) bounds: Aabb,
     /// The largest inner product of a corner with the opening's axis, as computed.
     pub(super) reach: f64,
 }
 
-/// The crumbs of a pocket, in memory that is used again from pocket to pocket.
+/// The groups of a pocket, in memory that is used again from pocket to pocket.
 #[derive(Default)]
-pub(super) struct Crumbs {
+pub(super) struct FaceGroups {
     /// What layers divide them by.
     pub(super) items: Vec<Item>,
     /// What they hold.
-    crumbs: Vec<Crumb>,
+    groups: Vec<FaceGroup>,
     faces: Vec<FaceId>,
-    /// Each once in a crumb.
+    /// Each once in a group.
     corners: Vec<VertexId>,
-    /// Of the crumb in the making: how often each of its corners is one of a face, and its area
+    /// Of the group in the making: how often each of its corners is one of a face, and its area
     /// vectors.
     times: Vec<u32>,
     areas: Vec<DVec3>,
-    /// Of each vertex the last crumb that it is a corner of, counted through all pockets, and its
+    /// Of each vertex the last group that it is a corner of, counted through all pockets, and its
     /// place there.
     places: Vec<[u32; 2]>,
-    /// How many crumbs have been made in all.
+    /// How many groups have been made in all.
     made: u32,
 }
 
-impl Crumbs {
-    /// Takes the place of earlier ones: crumbs of at most `most` of the faces beneath a node of a
+impl FaceGroups {
+    /// Takes the place of earlier ones: groups of at most `most` of the faces beneath a node of a
     /// tree. What is too many or lies across an edge in a leaf falls into single faces.
     pub(super) fn fill(
         &mut self,
@@ -80,15 +80,15 @@ impl Crumbs {
         most: usize,
     ) {
         self.items.clear();
-        self.crumbs.clear();
+        self.groups.clear();
         self.faces.clear();
         self.corners.clear();
         self.places.resize(mesh.vertices().len(), [0; 2]);
         let (nodes, faces) = tree.beneath(root);
         // They are half full as a rule.
-        let crumbs = 2 * faces.len().div_ceil(most);
-        self.items.reserve(crumbs);
-        self.crumbs.reserve(crumbs);
+        let groups = 2 * faces.len().div_ceil(most);
+        self.items.reserve(groups);
+        self.groups.reserve(groups);
         self.faces.reserve(faces.len());
         // In depth-first order: the next node is the left child, or what follows all beneath this
         // one.
@@ -116,13 +116,13 @@ impl Crumbs {
         }
     }
 
-    /// What the crumb of an item holds.
-    pub(super) fn crumb(&self, item: u32) -> &Crumb {
-        &self.crumbs[item as usize]
+    /// What the group of an item holds.
+    pub(super) fn group(&self, item: u32) -> &FaceGroup {
+        &self.groups[item as usize]
     }
 
-    pub(super) fn corners(&self, crumb: &Crumb) -> &[VertexId] {
-        let [start, end] = crumb.corners;
+    pub(super) fn corners(&self, group: &FaceGroup) -> &[VertexId] {
+        let [start, end] = group.corners;
         &self.corners[start as usize..end as usize]
     }
 
@@ -134,7 +134,7 @@ impl Crumbs {
     /// All faces in the order of some items.
     pub(super) fn ordered_faces(&self, order: &[u32]) -> impl Iterator<Item = FaceId> {
         order.iter().flat_map(|&item| {
-            let [start, end] = self.crumb(item).faces;
+            let [start, end] = self.group(item).faces;
             self.faces[start as usize..end as usize].iter().copied()
         })
     }
@@ -157,7 +157,7 @@ impl Crumbs {
         (high - low).max_element() > BENT
     }
 
-    /// Makes a crumb of faces whose area vectors are noted.
+    /// Makes a group of faces whose area vectors are noted.
     fn add(&mut self, mesh: &Mesh, opening: &Opening, faces: &[FaceId]) {
         let starts = [self.faces.len(), self.corners.len()];
         let (mut bounds, mut reach) = (Aabb::EMPTY, f64::NEG_INFINITY);
@@ -170,8 +170,8 @@ impl Crumbs {
         for &face in faces {
             for vertex in mesh.corners(face) {
                 // Where it stands, or behind the others: without a branch that nobody can predict.
-                let [crumb, place] = self.places[vertex.index()];
-                let at = if crumb == self.made { place } else { count };
+                let [group, place] = self.places[vertex.index()];
+                let at = if group == self.made { place } else { count };
                 self.places[vertex.index()] = [self.made, at];
                 corners[at as usize] = vertex;
                 self.times[at as usize] += 1;
@@ -192,7 +192,7 @@ impl Crumbs {
         self.faces.extend_from_slice(faces);
         let ends = [self.faces.len(), self.corners.len()];
         let [range, corners] = [0, 1].map(|k| [starts[k] as u32, ends[k] as u32]);
-        self.crumbs.push(Crumb { faces: range, corners, bounds, reach });
+        self.groups.push(FaceGroup { faces: range, corners, bounds, reach });
         let area: DVec3 = self.areas.iter().sum();
         let length = area.length();
         let normal = if length > 0.0 { opening.turned(area) / length } else { DVec3::ZERO };
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn crumbs_do_not_lie_across_a_sharp_edge() {
+    fn groups_do_not_lie_across_a_sharp_edge() {
         // A strip of eight squares in the plane z = 0 that goes on with eight in the plane x = 8.
         let place = |i: u32| [i.min(8), i.max(8) - 8].map(f64::from);
         let point = |i: u32, y: f64| DVec3::new(place(i)[0], y, place(i)[1]);
@@ -225,21 +225,21 @@ mod tests {
         let faces: Vec<FaceId> = (0..32).map(FaceId).collect();
         let tree = FaceTree::over(&mesh, &faces, 2);
         let opening = Opening::of(&[DVec3::Z], &mesh.bounds());
-        let mut crumbs = Crumbs::default();
-        crumbs.fill(&mesh, &tree, 0, &opening, 4);
-        assert_eq!(crumbs.items.len(), 8);
+        let mut groups = FaceGroups::default();
+        groups.fill(&mesh, &tree, 0, &opening, 4);
+        assert_eq!(groups.items.len(), 8);
         let (along, across) = (opening.turned(DVec3::Z), opening.turned(-DVec3::X));
-        for (name, item) in (0..).zip(&crumbs.items) {
+        for (name, item) in (0..).zip(&groups.items) {
             // Four triangles of two squares, which have six corners.
             assert_eq!((item.count, item.area), (4, 2.0));
-            assert_eq!(crumbs.corners(crumbs.crumb(name)).len(), 6);
+            assert_eq!(groups.corners(groups.group(name)).len(), 6);
             let normal = DVec3::from_slice(&item.keys[3..]);
             assert!(normal == along || normal == across, "{normal}");
         }
-        let mut ordered: Vec<FaceId> = crumbs.ordered_faces(&[0, 1, 2, 3, 4, 5, 6, 7]).collect();
+        let mut ordered: Vec<FaceId> = groups.ordered_faces(&[0, 1, 2, 3, 4, 5, 6, 7]).collect();
         ordered.sort_unstable();
         assert_eq!(ordered, faces);
-        let highest = (0..8).map(|item| crumbs.crumb(item).reach).fold(0.0, f64::max);
+        let highest = (0..8).map(|item| groups.group(item).reach).fold(0.0, f64::max);
         assert_eq!(highest, 8.0);
     }
 }
