@@ -26,9 +26,9 @@ use crate::digest::digest;
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
+use crate::on_demand::{FromStored, OnDemand};
 use crate::patches::Patches;
 use crate::reach::{farthest, radius};
 use crate::repair::{Repair, mend};
@@ -113,7 +113,7 @@ impl Model {
             hull,
             tree: FromStored::made(tree),
             patches,
-            clusters: Lazy::default(),
+            clusters: OnDemand::default(),
             mass,
             radius,
             digest,

@@ -19,8 +19,8 @@ mod edges;
 mod vertices;
 
 use crate::ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
-use crate::lazy::Lazy;
 use crate::mesh::Mesh;
+use crate::on_demand::OnDemand;
 use crate::rows::row;
 use components::components;
 use edges::{Edges, sorted_half_edges};
@@ -44,7 +44,7 @@ pub struct Topology {
     /// Number of vertices.
     vertices: usize,
     /// Follows from the rest.
-    faces_at: Lazy<VertexFaces>,
+    faces_at: OnDemand<VertexFaces>,
     /// None where all faces are of one.
     component_of: Vec<ComponentId>,
     components: Vec<Component>,
@@ -59,14 +59,14 @@ impl Topology {
         let mut sets = DisjointSets::new(mesh.faces().len());
         let edges = Edges::of(mesh, &around, |g, h| sets.union(g.index(), h.index()));
         let components = components(&sets);
-        let faces_at = Lazy::made(VertexFaces::of(mesh));
+        let faces_at = OnDemand::made(VertexFaces::of(mesh));
         Self::assembled(around, edges, (mesh.vertices().len(), faces_at), components)
     }
 
     fn assembled(
         around: Vec<HalfEdgeId>,
         Edges { edges, starts, edge_of, is_paired, is_sorted: _ }: Edges,
-        (vertices, faces_at): (usize, Lazy<VertexFaces>),
+        (vertices, faces_at): (usize, OnDemand<VertexFaces>),
         (component_of, mut components): (Vec<ComponentId>, Vec<Component>),
     ) -> Self {
         for (edge, &first) in edges.iter().zip(&starts) {

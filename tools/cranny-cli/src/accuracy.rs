@@ -86,9 +86,13 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     for (name, replies) in contestants.iter().map(MethodContestant::replies) {
         pose_table.add(name, replies, &judged.truths);
     }
-    let repeats = Duration::from_secs_f64(args.repeats);
-    let rest: Vec<Rested> =
-        args.budgets.0.iter().flat_map(|&budget| rested(&judged.motion, budget, repeats)).collect();
+    let patience = Duration::from_secs_f64(args.patience);
+    let rest: Vec<Rested> = args
+        .budgets
+        .0
+        .iter()
+        .flat_map(|&budget| rested(&judged.motion, budget, patience))
+        .collect();
     let chart = chart::of_methods(&all)?;
     let page = page::page(&shown, &judged, &all, &chart)?;
     let mut texts = vec![table::csv(&all), pose_table.csv().to_owned(), chart, page];
@@ -158,17 +162,17 @@ fn ours(args: &AccuracyArgs) -> Vec<Ours> {
 
 /// Runs all in rounds.
 fn measured(judged: &Judged, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<MethodContestant> {
-    let repeats = Duration::from_secs_f64(args.repeats);
+    let patience = Duration::from_secs_f64(args.patience);
     let bar = progress::bar(ours.len() as u64, "trying");
     let mut all: Vec<MethodContestant> = Vec::new();
     for method in ours {
-        all.push(MethodContestant::ours(judged, method, repeats));
+        all.push(MethodContestant::ours(judged, method, patience));
         bar.inc(1);
     }
     bar.finish_and_clear();
     for kind in if args.no_peers { &[][..] } else { &Peer::KINDS[..] } {
         let spinner = progress::spinner(format!("preparing {}", kind.name()));
-        all.push(MethodContestant::peer(judged, *kind, repeats));
+        all.push(MethodContestant::peer(judged, *kind, patience));
         spinner.finish_and_clear();
     }
     let runs = args.runs.get();

@@ -13,8 +13,8 @@ use crate::codec::{
     owners_of_rows, plain_struct,
 };
 use crate::ids::VertexId;
-use crate::lazy::Lazy;
 use crate::mesh::Mesh;
+use crate::on_demand::OnDemand;
 
 plain_struct!(HullVertexId(u32));
 plain_struct!(FacetId(u32));
@@ -56,7 +56,8 @@ impl ConvexHull {
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
         check(excluded.is_sorted_by(|a, b| a < b), "points are not ascending")?;
-        let (graph, leaving, bounds) = (Lazy::default(), Leaving::default(), Lazy::default());
+        let (graph, leaving, bounds) =
+            (OnDemand::default(), Leaving::default(), OnDemand::default());
         Ok(Self { kind, sources, positions, surface, graph, leaving, bounds, facets, excluded })
     }
 }

@@ -56,7 +56,7 @@ use cranny_exact::{Aabb, DVec3, DomainError, check_point, is_in_domain};
 use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
-use crate::lazy::Lazy;
+use crate::on_demand::OnDemand;
 use crate::typed_index;
 pub use canonical::lowest_first;
 pub use facet_order::FacetOrder;
@@ -110,18 +110,18 @@ pub struct ConvexHull {
     positions: Vec<DVec3>,
     surface: HullSurface,
     /// Made of positions and surface: `graph()`.
-    graph: Lazy<SupportGraph>,
+    graph: OnDemand<SupportGraph>,
     /// A half-edge that starts at each vertex; made of the surface when it is first needed.
     leaving: Leaving,
     /// Made of positions.
-    bounds: Lazy<Aabb>,
+    bounds: OnDemand<Aabb>,
     facets: FacetLayer,
     excluded: Vec<VertexId>,
 }
 
 /// A half-edge for each vertex that starts there, whichever.
 #[derive(Clone, Default)]
-struct Leaving(Lazy<Vec<u32>>);
+struct Leaving(OnDemand<Vec<u32>>);
 
 /// Which half-edges these are means nothing, so it is not shown.
 impl std::fmt::Debug for Leaving {
@@ -234,9 +234,9 @@ impl ConvexHull {
             sources: vertices.into_iter().map(VertexId).collect(),
             positions,
             surface,
-            graph: Lazy::made(graph),
+            graph: OnDemand::made(graph),
             leaving: Leaving::default(),
-            bounds: Lazy::default(),
+            bounds: OnDemand::default(),
             facets,
             excluded: Vec::new(),
         }

@@ -19,7 +19,7 @@ use super::support::SupportGraph;
 use super::{ConvexHull, HullKind, Leaving};
 use crate::each_once::each_once;
 use crate::ids::VertexId;
-use crate::lazy::Lazy;
+use crate::on_demand::OnDemand;
 
 /// A hull that follows another one.
 pub(crate) struct Followed {
@@ -101,10 +101,10 @@ impl ConvexHull {
             sources,
             positions,
             surface,
-            graph: Lazy::made(graph),
-            leaving: Leaving(Lazy::made(leaving)),
+            graph: OnDemand::made(graph),
+            leaving: Leaving(OnDemand::made(leaving)),
             facets,
-            bounds: Lazy::made(new_bounds),
+            bounds: OnDemand::made(new_bounds),
             excluded: Vec::new(),
         };
         Followed { hull, facets: change, triangles, measured, inside }

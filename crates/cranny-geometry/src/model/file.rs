@@ -17,9 +17,9 @@ use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
+use crate::on_demand::{FromStored, OnDemand};
 use crate::patches::Patches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
@@ -162,7 +162,7 @@ impl Model {
             hull,
             tree: FromStored::stored(tree),
             patches,
-            clusters: Lazy::default(),
+            clusters: OnDemand::default(),
             mass,
             radius,
             digest,

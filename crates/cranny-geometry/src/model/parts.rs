@@ -4,9 +4,9 @@ use crate::clusters::ClusterTree;
 use crate::deform::Workshop;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::lazy::{FromStored, Lazy};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
+use crate::on_demand::{FromStored, OnDemand};
 use crate::patches::Patches;
 use crate::topology::Topology;
 use crate::tree::{FaceTree, StoredTree};
@@ -20,7 +20,7 @@ pub(crate) struct Parts {
     pub(crate) tree: FromStored<StoredTree, FaceTree>,
     pub(crate) patches: Patches,
     /// Follows from mesh, topology and patches.
-    pub(crate) clusters: Lazy<ClusterTree>,
+    pub(crate) clusters: OnDemand<ClusterTree>,
     pub(crate) mass: Option<MassProperties>,
     pub(crate) radius: f64,
     pub(crate) digest: [u8; 32],
@@ -56,6 +56,6 @@ impl Parts {
     /// Puts a tree in. What follows from the surface is made anew when it is next needed.
     pub(crate) fn put_tree(&mut self, tree: FaceTree) {
         self.tree = FromStored::made(tree);
-        self.clusters = Lazy::default();
+        self.clusters = OnDemand::default();
     }
 }

@@ -5,8 +5,8 @@ use super::components::components_of_runs;
 use super::edges::Edges;
 use crate::codec::{Flaw, Reader, Writer, check, check_below};
 use crate::ids::{FaceId, HalfEdgeId};
-use crate::lazy::Lazy;
 use crate::mesh::Mesh;
+use crate::on_demand::OnDemand;
 
 impl Topology {
     /// Writes what takes time to find: the order of half-edges, and how many faces in a row are of
@@ -52,7 +52,7 @@ impl Topology {
         };
         check(edges.is_sorted, "half-edges are not sorted")?;
         check(is_one, "an edge joins two components")?;
-        Ok(Self::assembled(around, edges, (mesh.vertices().len(), Lazy::default()), components))
+        Ok(Self::assembled(around, edges, (mesh.vertices().len(), OnDemand::default()), components))
     }
 }
 

@@ -26,14 +26,14 @@ struct Measured {
 
 impl MethodContestant {
     /// Ours: a panic of it is a bug, and ends the command.
-    pub(super) fn ours(judged: &Judged, method: Ours, repeats: Duration) -> Self {
-        Self { name: method.name(), state: Ok(Measured::planned(judged, method, repeats)) }
+    pub(super) fn ours(judged: &Judged, method: Ours, patience: Duration) -> Self {
+        Self { name: method.name(), state: Ok(Measured::planned(judged, method, patience)) }
     }
 
     /// A peer, prepared. Where it refuses a mesh, or panics, its row will say so.
-    pub(super) fn peer(judged: &Judged, kind: Detector, repeats: Duration) -> Self {
+    pub(super) fn peer(judged: &Judged, kind: Detector, patience: Duration) -> Self {
         let state = quietly(|| {
-            Peer::new(kind, &judged.motion).map(|peer| Measured::planned(judged, peer, repeats))
+            Peer::new(kind, &judged.motion).map(|peer| Measured::planned(judged, peer, patience))
         });
         Self { name: Peer::name_of(kind), state }
     }
@@ -69,7 +69,7 @@ impl MethodContestant {
 }
 
 impl Measured {
-    fn planned(judged: &Judged, mut method: impl Method + 'static, repeats: Duration) -> Self {
+    fn planned(judged: &Judged, mut method: impl Method + 'static, patience: Duration) -> Self {
         let motion = &judged.motion;
         let all: Vec<usize> = (0..motion.len()).collect();
         let in_contact: Vec<usize> =
@@ -80,14 +80,14 @@ impl Measured {
                 &mut method,
                 |method, posed| method.distance(posed),
                 &all,
-                repeats,
+                patience,
             ),
             contacts: Series::planned(
                 motion,
                 &mut method,
                 |method, posed| method.contacts(posed),
                 &in_contact,
-                repeats,
+                patience,
             ),
             method: Box::new(method),
         }

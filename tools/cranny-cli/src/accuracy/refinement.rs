@@ -34,8 +34,8 @@ pub(super) struct Rested {
 }
 
 /// Queries each of some poses frame after frame, from no memory on. Ends early where that takes
-/// longer than `repeats`.
-pub(super) fn rested(motion: &Motion, budget: u64, repeats: Duration) -> Vec<Rested> {
+/// longer than `patience`.
+pub(super) fn rested(motion: &Motion, budget: u64, patience: Duration) -> Vec<Rested> {
     let poses: Vec<usize> = centers(motion.len(), POSES).collect();
     let new = |&pose: &usize| {
         let mut pair = Ours::new(Accuracy::Exact, Allowance::Tests(budget), true);
@@ -45,7 +45,7 @@ pub(super) fn rested(motion: &Motion, budget: u64, repeats: Duration) -> Vec<Res
     let mut pairs: Vec<Ours> = poses.iter().map(new).collect();
     let begin = Instant::now();
     let mut rows = Vec::new();
-    while rows.len() < FRAMES && (rows.is_empty() || begin.elapsed() < repeats) {
+    while rows.len() < FRAMES && (rows.is_empty() || begin.elapsed() < patience) {
         let found = poses.iter().zip(&mut pairs).map(|(&pose, pair)| {
             let start = Instant::now();
             let found = pair.distance(motion.posed(pose));

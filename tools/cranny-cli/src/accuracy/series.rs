@@ -35,16 +35,16 @@ pub(super) struct Series<T> {
 }
 
 impl<T> Series<T> {
-    /// Decides which of the candidates to query, so that a run takes no longer than `repeats`.
+    /// Decides which of the candidates to query, so that a run takes no longer than `patience`.
     pub(super) fn planned(
         motion: &Motion,
         method: &mut dyn Method,
         ask: Ask<T>,
         candidates: &[usize],
-        repeats: Duration,
+        patience: Duration,
     ) -> Self {
-        let each = each(motion, method, ask, candidates, repeats);
-        let affordable = repeats.as_nanos() / each.as_nanos().max(1);
+        let each = each(motion, method, ask, candidates, patience);
+        let affordable = patience.as_nanos() / each.as_nanos().max(1);
         let affordable = usize::try_from(affordable).unwrap_or(usize::MAX);
         let visits = visits(candidates, method.is_warm(), affordable);
         Self { ask, visits, replies: Vec::new() }
@@ -81,7 +81,7 @@ fn each<T>(
     method: &mut dyn Method,
     ask: Ask<T>,
     candidates: &[usize],
-    repeats: Duration,
+    patience: Duration,
 ) -> Duration {
     let (mut spent, mut wanted) = (Duration::ZERO, 0);
     for pose in centers(candidates.len(), TRIALS).filter_map(|i| candidates.get(i).copied()) {
@@ -93,7 +93,7 @@ fn each<T>(
         ask(method, motion.posed(pose));
         spent += start.elapsed();
         wanted += 1;
-        if spent > repeats {
+        if spent > patience {
             break;
         }
     }

@@ -62,8 +62,8 @@ pub(crate) struct AccuracyArgs {
 
     /// Seconds that a method may take to answer once at all poses; one that is slower answers at
     /// some of them
-    #[arg(long, value_name = "S", default_value = "4", value_parser = repeats, allow_hyphen_values = true)]
-    pub(crate) repeats: f64,
+    #[arg(long, value_name = "S", default_value = "4", value_parser = patience, allow_hyphen_values = true)]
+    pub(crate) patience: f64,
 
     /// Leave parry out: its triangle mesh and its convex decomposition (which may take minutes to
     /// make)
@@ -112,9 +112,9 @@ fn runs(text: &str) -> Result<NonZeroU32, String> {
 /// Seconds. Smaller: nothing is quick enough to answer twice, whatever the machine.
 const LEAST_PATIENCE: f64 = 1e-5;
 
-fn repeats(text: &str) -> Result<f64, String> {
+fn patience(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (LEAST_PATIENCE..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "a repeats is a number of seconds from 0.00001 to 3600".to_owned())
+    seconds.ok_or_else(|| "a patience is a number of seconds from 0.00001 to 3600".to_owned())
 }
 
 const NOTES: &str = "\
@@ -122,7 +122,7 @@ Each level of accuracy, exact answers within budgets of elementary tests and wit
 triangle meshes and convex decompositions answer at the same poses, on one thread, in rounds, and judged
 by the exact answer: for verdict and distance at all poses, and for regions of contact where bodies are in
 contact. `warm` keeps memory from pose to pose, `cold` keeps none; what a level prepares once is not counted.
-A method that takes longer than --repeats answers at some poses: evenly spread, or, if it keeps memory, at
+A method that takes longer than --patience answers at some poses: evenly spread, or, if it keeps memory, at
 stretches of consecutive ones. So rows with different `poses` are not quite about the same.
 
 Of a SCENE.ron, the poses are those of every pair of bodies whose boxes overlap while the scene runs under our
@@ -188,8 +188,8 @@ mod tests {
 
     #[test]
     fn runs_and_patience_are_checked() {
-        assert_eq!((runs("3").map(NonZeroU32::get), repeats("0.5")), (Ok(3), Ok(0.5)));
+        assert_eq!((runs("3").map(NonZeroU32::get), patience("0.5")), (Ok(3), Ok(0.5)));
         assert!(["0", "-1", "x"].iter().all(|text| runs(text).is_err()));
-        assert!(["0", "-1", "inf", "NaN", "x"].iter().all(|text| repeats(text).is_err()));
+        assert!(["0", "-1", "inf", "NaN", "x"].iter().all(|text| patience(text).is_err()));
     }
 }

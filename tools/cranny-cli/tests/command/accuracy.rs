@@ -189,7 +189,7 @@ fn what_a_budget_leaves_open_is_narrowed_at_rest() {
 fn an_impatient_user_gets_fewer_poses() {
     let scene = Scene::new();
     let options = ["--levels", "exact", "--budgets", "none", "--deadlines", "none", "--no-peers"];
-    let hurried = [&options[..], &["--repeats", "0.00001", "--runs", "1"]].concat();
+    let hurried = [&options[..], &["--patience", "0.00001", "--runs", "1"]].concat();
     assert_eq!(scene.accuracy(&hurried).code, Some(0));
     for row in scene.rows() {
         assert!(number(&row, "poses") >= 1.0 && number(&row, "poses") < FRAMES as f64, "{row:?}");
@@ -371,7 +371,7 @@ fn what_cannot_be_asked_or_written_is_refused() {
         ("--budgets", "-5", "whole number of tests"),
         ("--deadlines", "10,0", "microseconds"),
         ("--runs", "0", "1 or more"),
-        ("--repeats", "-1", "seconds"),
+        ("--patience", "-1", "seconds"),
     ] {
         let refused = scene.accuracy(&[option, list]);
         assert_eq!((refused.code, refused.stdout.as_str()), (Some(2), ""));

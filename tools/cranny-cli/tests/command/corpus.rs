@@ -104,7 +104,7 @@ impl Pair {
             "300",
             "--deadlines",
             "200",
-            "--repeats",
+            "--patience",
             "300",
             "--runs",
             "1",

@@ -9,16 +9,16 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Something that is there, or will be at its first use.
 #[derive(Clone, Debug)]
-pub(crate) struct Lazy<T>(OnceLock<T>);
+pub(crate) struct OnDemand<T>(OnceLock<T>);
 
 /// Not there yet.
-impl<T> Default for Lazy<T> {
+impl<T> Default for OnDemand<T> {
     fn default() -> Self {
         Self(OnceLock::new())
     }
 }
 
-impl<T> Lazy<T> {
+impl<T> OnDemand<T> {
     /// What is there already.
     pub(crate) fn made(value: T) -> Self {
         Self(OnceLock::from(value))
