@@ -256,7 +256,7 @@ fn enough(demand: &Demand) -> f64 {
     }
 }
 
-/// Contacts for a solver, and the verdict that comes with them.
+/// Contacts for a solver, and the verdict that comes with them. `contacts::near_patches` finds them.
 fn contacts(
     pair: &Pair,
     wanted: &Wanted,

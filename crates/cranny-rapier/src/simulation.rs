@@ -108,7 +108,7 @@ fn stiffen(parameters: &mut IntegrationParameters) {
 }
 
 impl Simulation {
-    /// An empty world.
+    /// An empty world. [`SimulationOptions`] says which of rapier's settings it has, and why.
     #[must_use]
     pub fn new(options: SimulationOptions) -> Self {
         let ours = options.detector == Detector::Cranny;

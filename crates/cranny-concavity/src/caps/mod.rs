@@ -103,7 +103,7 @@ impl CapSurface {
         FacetId(self.facet_starts.partition_point(|&start| start <= cap.0) as u32 - 1)
     }
 
-    /// Triangulates a chain in its facet.
+    /// Closes the cap over a chain: triangulates it in its facet.
     fn close_facet(
         &mut self,
         mesh: &Mesh,
