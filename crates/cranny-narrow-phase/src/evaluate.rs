@@ -256,7 +256,8 @@ fn enough(demand: &Demand) -> f64 {
     }
 }
 
-/// Contacts for a solver, and the verdict that comes with them. `contacts::near_patches` finds them.
+/// Contacts for a solver, which `contacts::near_patches` finds, and the verdict that comes with
+/// them.
 fn contacts(
     pair: &Pair,
     wanted: &Wanted,
